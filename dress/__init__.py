@@ -1,0 +1,1 @@
+"""Scenes, garments, avatars, recording and the command line."""

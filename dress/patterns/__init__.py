@@ -1,0 +1,1 @@
+"""Built-in patterns, drafted to a body."""

@@ -1,0 +1,1 @@
+"""Time and physics: fabric, forces, assembly, solver, the frame loop."""

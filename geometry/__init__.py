@@ -1,0 +1,1 @@
+"""Arrays, triangles, bending patches: shared ground that knows no physics."""

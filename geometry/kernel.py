@@ -1,0 +1,63 @@
+"""Compile options and array types shared by every numba kernel.
+
+Batch kernels carry an explicit signature, so each is compiled exactly once;
+a read-only array type accepts writable arrays as well. Scalar helpers carry
+none: LLVM inlines them into the batch kernel that calls them.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import njit, types
+
+
+def _source_fingerprint() -> str:
+    """Hash of every toile source file: numba's own cache misses edits in callees in other files."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    root = Path(__file__).resolve().parent.parent
+    for folder in ("geometry", "collide", "remesh", "engine", "dress"):
+        for path in sorted((root / folder).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def kernel_cache_dir() -> Path:
+    """Return the folder that holds the machine code of exactly these sources."""
+    base = os.environ.get("TOILE_CACHE_DIR")
+    root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "toile"
+    return root / _source_fingerprint()
+
+
+CACHE_DIR = kernel_cache_dir()
+WARM = CACHE_DIR.is_dir()
+"""True when these sources were compiled before on this machine."""
+numba.config.CACHE_DIR = str(CACHE_DIR)
+
+F64_1 = types.Array(types.float64, 1, "C", readonly=True)
+F64_2 = types.Array(types.float64, 2, "C", readonly=True)
+F64_3 = types.Array(types.float64, 3, "C", readonly=True)
+I32_1 = types.Array(types.int32, 1, "C", readonly=True)
+I32_2 = types.Array(types.int32, 2, "C", readonly=True)
+I64_1 = types.Array(types.int64, 1, "C", readonly=True)
+BOOL_1 = types.Array(types.boolean, 1, "C", readonly=True)
+OUT_F64_1 = types.Array(types.float64, 1, "C")
+OUT_F64_2 = types.Array(types.float64, 2, "C")
+OUT_F64_3 = types.Array(types.float64, 3, "C")
+OUT_I32_1 = types.Array(types.int32, 1, "C")
+OUT_I32_2 = types.Array(types.int32, 2, "C")
+OUT_BOOL_1 = types.Array(types.boolean, 1, "C")
+
+
+def kernel(signature: Any, *, parallel: bool = False) -> Any:
+    """Compile a batch kernel for one signature, cached on disk.
+
+    `parallel` only where iteration i writes row i: results must not depend on the thread count.
+    """
+    return njit(signature, cache=True, error_model="numpy", nogil=True, parallel=parallel)
+
+
+helper = njit(error_model="numpy")
+"""Decorator of scalar helpers that batch kernels call."""

@@ -1,0 +1,1 @@
+"""Mesh in, better mesh out."""
