@@ -31,7 +31,7 @@ def kernel_cache_dir() -> Path:
     return root / _source_fingerprint()
 
 
-CACHE_DIR = kernel_cache_dir()
+CACHE_DIR = Path(os.environ.get("NUMBA_CACHE_DIR") or kernel_cache_dir())
 WARM = CACHE_DIR.is_dir()
 """True when these sources were compiled before on this machine."""
 numba.config.CACHE_DIR = str(CACHE_DIR)
