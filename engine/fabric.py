@@ -1,0 +1,41 @@
+"""What a fabric is made of, in SI units."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fabric:
+    """Mechanical properties of one fabric; warp and weft are its two thread directions.
+
+    Attributes
+    ----------
+    name
+        Name of the fabric.
+    areal_density
+        Mass per area [kg/m^2].
+    thickness
+        Fabric thickness [m]; layers keep at least about this distance.
+    bending_warp, bending_weft, bending_bias
+        Bending rigidity [N m] when bent along warp, along weft and along the 45 degree diagonal.
+    stretch_warp, stretch_weft
+        Membrane stiffness along the threads [N/m].
+    shear
+        Shear stiffness [N/m].
+    friction_body, friction_self
+        Coulomb coefficients against the avatar and against cloth.
+    damping
+        Stiffness-proportional damping time [s].
+    """
+
+    name: str
+    areal_density: float
+    thickness: float
+    bending_warp: float
+    bending_weft: float
+    bending_bias: float
+    stretch_warp: float
+    stretch_weft: float
+    shear: float
+    friction_body: float = 0.35
+    friction_self: float = 0.3
+    damping: float = 0.002
