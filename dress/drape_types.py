@@ -1,0 +1,145 @@
+"""What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from toile.geometry.arrays import Float, Int
+
+Status = Literal["converged", "frame_limit", "cancelled", "failed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeOptions:
+    """How to drape.
+
+    Attributes
+    ----------
+    edge_length
+        Edge length asked for [m].
+    max_frames
+        Frames after which the drape stops with status frame_limit.
+    tolerance
+        Residual below which the drape is converged.
+    gravity
+        Downward acceleration [m/s^2].
+    friction
+        Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
+    threads
+        Threads the kernels may use.
+    pins
+        Material vertices held where they start, one array per garment.
+    self_contact
+        Per garment: may it touch itself? False leaves its self-contact search out.
+    """
+
+    edge_length: float
+    max_frames: int
+    tolerance: float
+    gravity: float = 9.81
+    friction: float | None = None
+    threads: int = 1
+    pins: tuple[Int, ...] = ()
+    self_contact: tuple[bool, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameState:
+    """Where a drape stands after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
+
+    frame: int
+    faces: int
+    contacts: int
+    residual: float
+    seconds: float
+    max_frames: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame)."""
+
+    kind: str
+    message: str
+    where: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeFigures:
+    """Figures of a drape, as they enter report.json.
+
+    Attributes
+    ----------
+    frames, steps, newton_iterations, cg_iterations
+        Counts.
+    simulated_seconds
+        Simulated time [s].
+    stage_seconds
+        Wall time per stage [s]; stages that a scene did not need are missing.
+    nodes, faces
+        (initial, final, max) counts over all garments.
+    contacts_max
+        Largest number of active contacts in a step.
+    avatar_intersections, self_intersections
+        Crossing triangle pairs in the final frame.
+    worst_frame_intersections
+        Crossing triangle pairs, avatar and self together, in the worst output frame.
+    min_gap_mm
+        Smallest distance between cloth and avatar or cloth in the final frame [mm], None without contact.
+    warp_strain_max, weft_strain_max, strain_p99
+        Strain along the threads in the final frame: largest, and 99th percentile of both [%].
+    residual
+        Final residual [fraction of the cloth's weight].
+    """
+
+    frames: int
+    simulated_seconds: float
+    steps: int
+    newton_iterations: int
+    cg_iterations: int
+    nodes: tuple[int, int, int]
+    faces: tuple[int, int, int]
+    contacts_max: int
+    avatar_intersections: int
+    self_intersections: int
+    worst_frame_intersections: int
+    min_gap_mm: float | None
+    warp_strain_max: float
+    weft_strain_max: float
+    strain_p99: float
+    residual: float
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapedGarment:
+    """One garment after the drape.
+
+    Attributes
+    ----------
+    positions
+        Welded nodes [m], shape (n, 3).
+    faces
+        Triangles into nodes, shape (t, 3).
+    faces_material
+        The same triangles into material vertices, shape (t, 3).
+    uv
+        Pattern coordinates of material vertices [m], shape (m, 2).
+    panel
+        Panel of every face, shape (t,).
+    """
+
+    positions: Float
+    faces: Int
+    faces_material: Int
+    uv: Float
+    panel: Int
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeOutcome:
+    """A drape's end: its status, why it failed if it did, its figures and the garments in scene order."""
+
+    status: Status
+    failure: Failure | None
+    figures: DrapeFigures
+    garments: list[DrapedGarment]

@@ -1,0 +1,45 @@
+"""What the words preview, standard and accurate mean in numbers."""
+
+from dataclasses import dataclass
+
+from toile.dress.suggestion import unknown_name
+from toile.geometry.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quality:
+    """Numbers behind one quality preset.
+
+    Attributes
+    ----------
+    name
+        The word the user types.
+    edge_length
+        Length of a triangle's edges in patterns, and the longest in mesh garments [m].
+    max_frames
+        Frames after which a drape that has not converged stops.
+    tolerance
+        Residual below which a drape counts as converged [fraction of the cloth's weight].
+    """
+
+    name: str
+    edge_length: float
+    max_frames: int
+    tolerance: float
+
+
+QUALITIES = {
+    quality.name: quality
+    for quality in (
+        Quality(name="preview", edge_length=0.018, max_frames=200, tolerance=0.03),
+        Quality(name="standard", edge_length=0.011, max_frames=400, tolerance=0.01),
+        Quality(name="accurate", edge_length=0.007, max_frames=800, tolerance=0.005),
+    )
+}
+
+
+def quality_preset(name: str) -> Quality:
+    """Return the preset of that name. Raises InputError with the nearest name."""
+    if name not in QUALITIES:
+        raise InputError(unknown_name("quality", name, QUALITIES))
+    return QUALITIES[name]
