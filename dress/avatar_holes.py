@@ -1,0 +1,105 @@
+"""Filling of holes: boundary loops and the triangles that close them."""
+
+import manifold3d
+import numpy as np
+from scipy.spatial import cKDTree
+
+from toile.geometry.arrays import Float, Int
+
+LARGEST_CURVED_LOOP = 400
+"""Longest non-planar loop [edges] that is filled; the search is cubic in the number of edges."""
+
+PLANAR_SPREAD = 0.02
+"""A loop this flat, relative to its size, is capped in its plane."""
+
+
+def boundary_loops(faces: Int) -> list[Int]:
+    """Closed vertex loops along the holes of consistently oriented faces.
+
+    A loop runs so that triangles counter-clockwise along it have the same orientation as the faces.
+    """
+    start, end = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel().astype(np.int64)
+    span = int(faces.max()) + 1
+    lone = ~np.isin(start * span + end, end * span + start)
+    following = dict(zip(end[lone].tolist(), start[lone].tolist(), strict=True))
+    loops: list[Int] = []
+    while following:
+        first, vertex = following.popitem()
+        loop = [first]
+        while vertex != first:
+            loop.append(vertex)
+            vertex = following.pop(vertex)
+        # Start at the smallest index: the result must not depend on the order of a dictionary.
+        turn = loop.index(min(loop))
+        loops.append(np.array(loop[turn:] + loop[:turn], dtype=np.int32))
+    return sorted(loops, key=lambda loop: int(loop[0]))
+
+
+def fill_loop(points: Float) -> Int | None:
+    """Triangles (t, 3) into the loop's points [m] that close it; None if there is no clean way.
+
+    Flat loops are triangulated in their plane; curved ones get the patch of least area (dynamic
+    programming over all triangulations, Barequet and Sharir 1995).
+    """
+    count = len(points)
+    if count == 3:
+        return np.array([[0, 1, 2]], dtype=np.int32)
+    flat = _fill_flat(points)
+    if flat is not None:
+        return flat
+    return _fill_least_area(points) if count <= LARGEST_CURVED_LOOP else None
+
+
+def _fill_flat(points: Float) -> Int | None:
+    """Triangulate a flat, simple loop in its plane; None if it is neither."""
+    centred = points - points.mean(axis=0)
+    # Newell's normal: exact for flat loops, the mean direction for wavy ones.
+    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
+    length = float(np.linalg.norm(normal))
+    size = float(np.ptp(centred, axis=0).max())
+    if length < 1e-3 * size * size:
+        return None
+    normal /= length
+    if float(np.ptp(centred @ normal)) > PLANAR_SPREAD * size:
+        return None
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    first = np.cross(helper, normal)
+    first /= np.linalg.norm(first)
+    plane = np.column_stack([centred @ first, centred @ np.cross(normal, first)])
+    if len(cKDTree(plane).query_pairs(1e-9)):
+        return None
+    triangles = np.asarray(manifold3d.triangulate([plane], 0.0), dtype=np.int32)
+    if len(triangles) != len(points) - 2:
+        return None
+    a, b, c = (plane[triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    # A loop that crosses itself in the plane gives turned triangles: not a clean cap.
+    if area.min() < -1e-9 * size * size or abs(2.0 * area.sum() - length) > 1e-6 * length:
+        return None
+    return triangles
+
+
+def _fill_least_area(points: Float) -> Int:
+    """Triangulation of a closed loop with the least total area, shape (n - 2, 3)."""
+    count = len(points)
+    cost = np.zeros((count, count))
+    split = np.zeros((count, count), dtype=np.int64)
+    for gap in range(2, count):
+        for i in range(count - gap):
+            k = i + gap
+            middle = np.arange(i + 1, k)
+            normals = np.cross(points[middle] - points[i], points[k] - points[i])
+            total = cost[i, middle] + cost[middle, k] + 0.5 * np.linalg.norm(normals, axis=1)
+            best = int(np.argmin(total))
+            cost[i, k], split[i, k] = total[best], middle[best]
+    triangles: list[tuple[int, int, int]] = []
+    stack = [(0, count - 1)]
+    while stack:
+        i, k = stack.pop()
+        if k - i < 2:
+            continue
+        m = int(split[i, k])
+        triangles.append((i, m, k))
+        stack += [(i, m), (m, k)]
+    return np.array(triangles, dtype=np.int32)
