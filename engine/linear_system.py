@@ -1,0 +1,308 @@
+"""The symmetric positive definite system of one Newton iteration, and its product with a vector.
+
+    A = diag(node_diagonal) x I3  +  B  +  s (S x I3)  +  sum_c (w_c w_c^T) x K_c
+
+B: element blocks; S: the constant scalar bending matrix; the sum: contacts. Everything that fits the
+element pattern (the diagonal, the in-pattern part of S, contacts that touch one node or nodes of one
+element) is merged into one block matrix, which is also what preconditioners look at; only
+the outer ring of S and contacts between distant nodes stay apart. Pinned nodes keep dx = 0: their
+rows and columns become those of the identity (Baraff & Witkin 1998, section 5.3, as a projection).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+from scipy.sparse import csr_array
+
+from toile.engine.assembly import BlockPattern
+from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_1,
+    F64_2,
+    F64_3,
+    I32_1,
+    I32_2,
+    OUT_F64_2,
+    OUT_F64_3,
+    OUT_I32_1,
+    kernel,
+)
+
+
+class ContactStencils(NamedTuple):
+    """Contacts as K-weighted squares of the weighted sum of up to four node displacements.
+
+    nodes: shape (C, 4), int32, -1 where unused. weights: shape (C, 4). stiffness: symmetric positive
+    semi-definite [N/m], shape (C, 3, 3).
+    """
+
+    nodes: Int
+    weights: Float
+    stiffness: Float
+
+
+NO_CONTACTS = ContactStencils(np.zeros((0, 4), np.int32), np.zeros((0, 4)), np.zeros((0, 3, 3)))
+
+
+class LinearSystem:
+    """A x, for one topology; `update` sets the numbers of one Newton iteration.
+
+    Attributes
+    ----------
+    blocks : merged block matrix on `pattern` [N/m], shape (slot_count, 3, 3); identity rows at pins.
+    outer_indptr, outer_indices, outer_values : entries of S outside the pattern, scalar CSR.
+    outer_scale : the factor of those entries.
+    contacts : contacts that do not fit the pattern; their weights vanish at pins.
+    pinned : shape (node_count,).
+    """
+
+    def __init__(self, pattern: BlockPattern, bending: csr_array | None = None) -> None:
+        self.pattern = pattern
+        self.blocks: Float = pattern.zeros()
+        self.pinned: Bool = np.zeros(pattern.node_count, dtype=np.bool_)
+        self.contacts = NO_CONTACTS
+        self.outer_scale = 0.0
+        self._inner_slots: Int = np.zeros(0, np.int32)
+        self._inner_values: Float = np.zeros(0)
+        self.outer_indptr: Int = np.zeros(pattern.node_count + 1, np.int32)
+        self.outer_indices: Int = np.zeros(0, np.int32)
+        self.outer_values: Float = np.zeros(0)
+        if bending is not None:
+            self._split(bending)
+
+    def _split(self, bending: csr_array) -> None:
+        """Separate the entries of S that have a block in the pattern from those that have none."""
+        count = self.pattern.node_count
+        if bending.shape != (count, count):
+            raise ValueError(f"bending must have shape ({count}, {count}), got {bending.shape}")
+        bending = bending.sorted_indices()
+        rows = np.repeat(np.arange(count), np.diff(bending.indptr))
+        pattern_rows = np.repeat(np.arange(count), np.diff(self.pattern.indptr))
+        pattern_keys = pattern_rows * count + self.pattern.indices
+        keys = rows * count + bending.indices
+        slots = np.minimum(np.searchsorted(pattern_keys, keys), len(pattern_keys) - 1)
+        inner = pattern_keys[slots] == keys
+        self._inner_slots = slots[inner].astype(np.int32)
+        self._inner_values = np.ascontiguousarray(bending.data[inner], dtype=np.float64)
+        self.outer_indices = bending.indices[~inner].astype(np.int32)
+        self.outer_values = np.ascontiguousarray(bending.data[~inner], dtype=np.float64)
+        self.outer_indptr = np.searchsorted(rows[~inner], np.arange(count + 1)).astype(np.int32)
+
+    def update(
+        self,
+        element_blocks: Float,
+        node_diagonal: Float,
+        *,
+        bending_scale: float = 1.0,
+        contacts: ContactStencils = NO_CONTACTS,
+        pinned: Bool | None = None,
+    ) -> None:
+        """Set the numbers of this Newton iteration.
+
+        Parameters
+        ----------
+        element_blocks : assembled element Hessians B [N/m], shape (slot_count, 3, 3); not changed.
+        node_diagonal : mass / h^2 and other isotropic node terms [N/m], shape (node_count,).
+        bending_scale : the factor s of the bending matrix.
+        contacts : this iteration's contacts.
+        pinned : nodes that keep dx = 0, shape (node_count,); None: no node.
+        """
+        np.copyto(self.blocks, element_blocks)
+        _add_isotropic(self.pattern.diagonal, node_diagonal, 1.0, self.blocks)
+        self.outer_scale = bending_scale
+        if len(self._inner_slots):
+            _add_isotropic(self._inner_slots, self._inner_values, bending_scale, self.blocks)
+        self.contacts = NO_CONTACTS
+        if len(contacts.nodes):
+            self._absorb(contacts)
+        if pinned is not None and pinned.any():
+            self._pin(pinned)
+        elif self.pinned.any():
+            self.pinned = np.zeros_like(self.pinned)
+
+    def _absorb(self, contacts: ContactStencils) -> None:
+        """Add contacts that fit the pattern to the blocks; keep the others apart."""
+        left = np.empty(len(contacts.nodes), np.int32)
+        count = _absorb_contacts(self.pattern.indptr, self.pattern.indices, *contacts, self.blocks, left)
+        if count:
+            kept = left[:count]
+            self.contacts = ContactStencils(
+                contacts.nodes[kept], contacts.weights[kept], contacts.stiffness[kept]
+            )
+
+    def _pin(self, pinned: Bool) -> None:
+        self.pinned = np.ascontiguousarray(pinned, dtype=np.bool_)
+        _make_identity(self.pattern.indptr, self.pattern.indices, self.pinned, self.blocks)
+        if len(self.contacts.nodes):
+            nodes, weights, stiffness = self.contacts
+            self.contacts = ContactStencils(nodes, np.where(self.pinned[nodes], 0.0, weights), stiffness)
+
+    def apply(self, x: Float, product: Float) -> float:
+        """Write A x into `product` and return x . A x; shapes (node_count, 3). x must vanish at pins."""
+        energy: float = _multiply(
+            self.pattern.indptr,
+            self.pattern.indices,
+            self.blocks,
+            self.outer_indptr,
+            self.outer_indices,
+            self.outer_values,
+            self.outer_scale,
+            self.pinned,
+            x,
+            product,
+        )
+        if len(self.contacts.nodes):
+            energy += _multiply_contacts(*self.contacts, x, product)
+        return energy
+
+    def diagonal_blocks(self) -> Float:
+        """Return the diagonal blocks of A [N/m], shape (node_count, 3, 3)."""
+        diagonal: Float = self.blocks[self.pattern.diagonal]
+        if len(self.contacts.nodes):
+            _add_contact_diagonal(*self.contacts, diagonal)
+        return diagonal
+
+
+@kernel(types.void(I32_1, F64_1, types.float64, OUT_F64_3))
+def _add_isotropic(slots: Int, values: Float, scale: float, blocks: Float) -> None:
+    for k in range(slots.shape[0]):
+        s = slots[k]
+        value = scale * values[k]
+        blocks[s, 0, 0] += value
+        blocks[s, 1, 1] += value
+        blocks[s, 2, 2] += value
+
+
+@kernel(types.int64(I32_1, I32_1, I32_2, F64_2, F64_3, OUT_F64_3, OUT_I32_1))
+def _absorb_contacts(
+    indptr: Int, indices: Int, nodes: Int, weights: Float, stiffness: Float, blocks: Float, left: Int
+) -> int:
+    """Add every contact whose node pairs all have a block; list the others in `left`, return their number."""
+    left_count = 0
+    slots = np.empty(16, np.int32)
+    for c in range(nodes.shape[0]):
+        fits = True
+        for a in range(4):
+            for b in range(4):
+                slots[4 * a + b] = -1
+                i = nodes[c, a]
+                j = nodes[c, b]
+                if i >= 0 and j >= 0:
+                    for k in range(indptr[i], indptr[i + 1]):
+                        if indices[k] == j:
+                            slots[4 * a + b] = k
+                            break
+                    if slots[4 * a + b] < 0:
+                        fits = False
+            if not fits:
+                break
+        if not fits:
+            left[left_count] = c
+            left_count += 1
+            continue
+        for a in range(4):
+            for b in range(4):
+                s = slots[4 * a + b]
+                if s >= 0:
+                    weight = weights[c, a] * weights[c, b]
+                    for r in range(3):
+                        for q in range(3):
+                            blocks[s, r, q] += weight * stiffness[c, r, q]
+    return left_count
+
+
+@kernel(types.void(I32_1, I32_1, BOOL_1, OUT_F64_3))
+def _make_identity(indptr: Int, indices: Int, pinned: Bool, blocks: Float) -> None:
+    for i in range(pinned.shape[0]):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if pinned[i] or pinned[j]:
+                for r in range(3):
+                    for q in range(3):
+                        blocks[k, r, q] = 1.0 if i == j and r == q else 0.0
+
+
+@kernel(types.float64(I32_1, I32_1, F64_3, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_2, OUT_F64_2))
+def _multiply(
+    indptr: Int,
+    indices: Int,
+    blocks: Float,
+    outer_indptr: Int,
+    outer_indices: Int,
+    outer_values: Float,
+    outer_scale: float,
+    pinned: Bool,
+    x: Float,
+    product: Float,
+) -> float:
+    energy = 0.0
+    for i in range(pinned.shape[0]):
+        y0 = 0.0
+        y1 = 0.0
+        y2 = 0.0
+        if not pinned[i]:
+            for k in range(outer_indptr[i], outer_indptr[i + 1]):
+                j = outer_indices[k]
+                value = outer_values[k]
+                y0 += value * x[j, 0]
+                y1 += value * x[j, 1]
+                y2 += value * x[j, 2]
+            y0 *= outer_scale
+            y1 *= outer_scale
+            y2 *= outer_scale
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            x0 = x[j, 0]
+            x1 = x[j, 1]
+            x2 = x[j, 2]
+            y0 += blocks[k, 0, 0] * x0 + blocks[k, 0, 1] * x1 + blocks[k, 0, 2] * x2
+            y1 += blocks[k, 1, 0] * x0 + blocks[k, 1, 1] * x1 + blocks[k, 1, 2] * x2
+            y2 += blocks[k, 2, 0] * x0 + blocks[k, 2, 1] * x1 + blocks[k, 2, 2] * x2
+        product[i, 0] = y0
+        product[i, 1] = y1
+        product[i, 2] = y2
+        energy += x[i, 0] * y0 + x[i, 1] * y1 + x[i, 2] * y2
+    return energy
+
+
+@kernel(types.float64(I32_2, F64_2, F64_3, F64_2, OUT_F64_2))
+def _multiply_contacts(nodes: Int, weights: Float, stiffness: Float, x: Float, product: Float) -> float:
+    """Add the contacts' part of A x to `product`; return their part of x . A x."""
+    energy = 0.0
+    for c in range(nodes.shape[0]):
+        d0 = 0.0
+        d1 = 0.0
+        d2 = 0.0
+        for a in range(4):
+            i = nodes[c, a]
+            if i >= 0:
+                weight = weights[c, a]
+                d0 += weight * x[i, 0]
+                d1 += weight * x[i, 1]
+                d2 += weight * x[i, 2]
+        f0 = stiffness[c, 0, 0] * d0 + stiffness[c, 0, 1] * d1 + stiffness[c, 0, 2] * d2
+        f1 = stiffness[c, 1, 0] * d0 + stiffness[c, 1, 1] * d1 + stiffness[c, 1, 2] * d2
+        f2 = stiffness[c, 2, 0] * d0 + stiffness[c, 2, 1] * d1 + stiffness[c, 2, 2] * d2
+        energy += d0 * f0 + d1 * f1 + d2 * f2
+        for a in range(4):
+            i = nodes[c, a]
+            if i >= 0:
+                weight = weights[c, a]
+                product[i, 0] += weight * f0
+                product[i, 1] += weight * f1
+                product[i, 2] += weight * f2
+    return energy
+
+
+@kernel(types.void(I32_2, F64_2, F64_3, OUT_F64_3))
+def _add_contact_diagonal(nodes: Int, weights: Float, stiffness: Float, diagonal: Float) -> None:
+    for c in range(nodes.shape[0]):
+        for a in range(4):
+            i = nodes[c, a]
+            if i >= 0:
+                weight = weights[c, a] * weights[c, a]
+                for r in range(3):
+                    for q in range(3):
+                        diagonal[i, r, q] += weight * stiffness[c, r, q]

@@ -1,0 +1,1 @@
+"""Preconditioners of the conjugate gradient method, one per file."""

@@ -1,0 +1,16 @@
+"""What conjugate gradients ask of a preconditioner."""
+
+from typing import Protocol
+
+from toile.engine.linear_system import LinearSystem
+from toile.geometry.arrays import Float
+
+
+class Preconditioner(Protocol):
+    """A symmetric positive definite approximation of the inverse of A."""
+
+    def update(self, system: LinearSystem, positions: Float) -> None:
+        """Follow new numbers in `system`; positions: node positions [m], shape (node_count, 3)."""
+
+    def apply(self, residual: Float, out: Float) -> float:
+        """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""

@@ -1,0 +1,174 @@
+"""Conjugate gradients and every preconditioner on a small stiff cloth, against a direct solver."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.sparse import coo_array, csr_array
+from scipy.spatial import Delaunay
+
+from toile.engine.assembly import BlockPattern, scatter_hessians, to_dense
+from toile.engine.cg import solve
+from toile.engine.linear_system import ContactStencils, LinearSystem
+from toile.engine.preconditioner.base import Preconditioner
+from toile.engine.preconditioner.block_jacobi import BlockJacobi
+from toile.geometry.arrays import Bool, Float
+
+PRECONDITIONERS: list[Callable[[], Preconditioner]] = [BlockJacobi]
+
+
+class StiffCloth:
+    """A wavy random mesh whose edges are springs: 3000 N/m along, 3 N/m across; body contact on one half."""
+
+    def __init__(self, count: int = 500, *, step: float = 0.02, seed: int = 5) -> None:
+        rng = np.random.default_rng(seed)
+        side = 0.01 * np.sqrt(count)
+        plane = rng.uniform(0.0, side, (count, 2))
+        triangles = Delaunay(plane).simplices.astype(np.int32)
+        height = 0.02 * np.sin(40.0 * plane[:, 0]) * np.cos(25.0 * plane[:, 1])
+        self.positions: Float = np.column_stack([plane, height])
+        pairs = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        edges = np.unique(np.sort(pairs, axis=1), axis=0).astype(np.int32)
+        self.pattern = BlockPattern(count, [triangles, edges])
+        along = self.positions[edges[:, 1]] - self.positions[edges[:, 0]]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        stiffness = 3000.0 * along[:, :, None] * along[:, None, :] + 3.0 * np.eye(3)
+        self.element_blocks = self.pattern.zeros()
+        hessians = np.ascontiguousarray(np.stack([stiffness, stiffness, -stiffness], axis=1))
+        scatter_hessians(self.pattern.slots[1], hessians, self.element_blocks)
+        self.node_diagonal: Float = np.full(count, 1.5e-5 / step**2)
+        self.pinned: Bool = plane[:, 1] > 0.97 * side
+        ends = np.ones(len(edges))
+        graph = coo_array((ends, (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
+        graph = graph + graph.T
+        laplacian = csr_array(np.diag(graph.sum(axis=1))) - graph
+        self.bending = csr_array(laplacian @ laplacian)
+        self.system = LinearSystem(self.pattern, self.bending)
+        touching = np.flatnonzero(plane[:, 0] < 0.5 * side)
+        nodes = np.full((len(touching) + 20, 4), -1, np.int32)
+        nodes[: len(touching), 0] = touching
+        nodes[len(touching) :] = rng.integers(0, count, (20, 4))
+        normals = rng.normal(size=(len(nodes), 3))
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        weights = np.tile([1.0, -0.3, -0.3, -0.4], (len(nodes), 1))
+        self.contacts = ContactStencils(nodes, weights, 50.0 * normals[:, :, None] * normals[:, None, :])
+        self.system.update(
+            self.element_blocks,
+            self.node_diagonal,
+            bending_scale=0.05,
+            contacts=self.contacts,
+            pinned=self.pinned,
+        )
+        self.right_hand_side: Float = rng.normal(size=(count, 3))
+
+    def matrix(self) -> Float:
+        """Dense twin of A, restricted to free nodes with the identity at pins."""
+        total = to_dense(self.pattern.indptr, self.pattern.indices, self.element_blocks)
+        total += np.kron(0.05 * self.bending.toarray() + np.diag(self.node_diagonal), np.eye(3))
+        for nodes, weights, stiffness in zip(*self.contacts, strict=True):
+            used = nodes >= 0
+            scaled = np.concatenate([w * np.eye(3) for w in weights[used]])
+            rows = (3 * nodes[used][:, None] + np.arange(3)).ravel()
+            np.add.at(total, (rows[:, None], rows), scaled @ stiffness @ scaled.T)
+        fixed = np.repeat(self.pinned, 3)
+        total[fixed] = 0.0
+        total[:, fixed] = 0.0
+        total[fixed, fixed] = 1.0
+        return total
+
+    def exact(self) -> Float:
+        free = np.where(self.pinned[:, None], 0.0, self.right_hand_side)
+        return np.asarray(np.linalg.solve(self.matrix(), free.ravel()), dtype=np.float64).reshape(-1, 3)
+
+
+@pytest.fixture(scope="module")
+def cloth() -> StiffCloth:
+    return StiffCloth()
+
+
+@pytest.fixture(params=PRECONDITIONERS, ids=lambda make: make.__name__)
+def preconditioner(request: pytest.FixtureRequest, cloth: StiffCloth) -> Preconditioner:
+    made: Preconditioner = request.param()
+    made.update(cloth.system, cloth.positions)
+    return made
+
+
+def as_matrix(preconditioner: Preconditioner, count: int) -> Float:
+    columns = np.zeros((3 * count, 3 * count))
+    out = np.empty((count, 3))
+    for k in range(3 * count):
+        unit = np.zeros(3 * count)
+        unit[k] = 1.0
+        preconditioner.apply(unit.reshape(-1, 3), out)
+        columns[:, k] = out.ravel()
+    return columns
+
+
+def test_solution_equals_direct_solver(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    result = solve(cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-10, max_iterations=5000)
+    assert result.converged
+    assert result.residual <= 1e-10
+    exact = cloth.exact()
+    np.testing.assert_allclose(result.solution, exact, atol=1e-7 * np.abs(exact).max())
+
+
+def test_pins_stay(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    start = np.ones_like(cloth.right_hand_side)
+    result = solve(cloth.system, cloth.right_hand_side, preconditioner, start=start)
+    assert cloth.pinned.any()
+    assert (result.solution[cloth.pinned] == 0.0).all()
+
+
+def test_same_input_same_bytes(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    first = solve(cloth.system, cloth.right_hand_side, preconditioner)
+    preconditioner.update(cloth.system, cloth.positions)
+    second = solve(cloth.system, cloth.right_hand_side, preconditioner)
+    assert first.solution.tobytes() == second.solution.tobytes()
+    assert first.iterations == second.iterations
+
+
+def test_start_at_the_solution_needs_no_iteration(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    result = solve(cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-4, start=cloth.exact())
+    assert result.iterations == 0
+    assert result.converged
+
+
+def test_too_few_iterations_are_reported(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    result = solve(cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-12, max_iterations=2)
+    assert result.iterations == 2
+    assert not result.converged
+    assert result.residual > 1e-12
+
+
+def test_zero_right_hand_side_gives_zero(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    result = solve(cloth.system, np.zeros_like(cloth.right_hand_side), preconditioner)
+    assert result.converged
+    assert not result.solution.any()
+
+
+def test_indefinite_matrix_is_an_error(cloth: StiffCloth) -> None:
+    system = LinearSystem(cloth.pattern)
+    blocks = cloth.pattern.zeros()
+    blocks[cloth.pattern.diagonal] = np.eye(3)
+    blocks[cloth.pattern.diagonal[7]] = -np.eye(3)
+    system.update(blocks, np.zeros(cloth.pattern.node_count))
+    good = BlockJacobi()
+    good.update(cloth.system, cloth.positions)
+    with pytest.raises(FloatingPointError, match="not positive definite"):
+        solve(system, cloth.right_hand_side, good, tolerance=1e-9)
+
+
+def test_preconditioner_is_symmetric_positive_definite() -> None:
+    cloth = StiffCloth(120)
+    for make in PRECONDITIONERS:
+        made = make()
+        made.update(cloth.system, cloth.positions)
+        inverse = as_matrix(made, 120)
+        np.testing.assert_allclose(inverse, inverse.T, atol=1e-9 * np.abs(inverse).max())
+        assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T)).min() > 0.0
+
+
+def test_apply_returns_the_inner_product(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    out = np.empty_like(cloth.right_hand_side)
+    product = preconditioner.apply(cloth.right_hand_side, out)
+    assert product == pytest.approx(float((cloth.right_hand_side * out).sum()), rel=1e-12)
