@@ -1,0 +1,224 @@
+"""Bounding volume hierarchy over boxes: flat arrays, built once, refitted, traversed in pairs.
+
+Median split on the longest axis of the box centres, at most four boxes per leaf. Children come after
+their parent in the arrays, so a refit is one backward loop.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
+
+LEAF_SIZE = 4
+
+
+class Bvh(NamedTuple):
+    """Hierarchy over n boxes.
+
+    Attributes
+    ----------
+    order
+        Box indices, grouped by leaf, shape (n,).
+    child
+        Per tree node: (left, right) child, or (-1 - first, count) into `order` for a leaf, shape (k, 2).
+    box
+        Per tree node: lower and upper corner [m], shape (k, 6).
+    """
+
+    order: Int
+    child: Int
+    box: Float
+
+
+@kernel(types.int64(F64_2, OUT_I32_1, OUT_I32_2))
+def _split(boxes, order, child):  # type: ignore[no-untyped-def]
+    """Fill order and child; return the number of tree nodes."""
+    count = boxes.shape[0]
+    for i in range(count):
+        order[i] = i
+    stack = np.empty((128, 3), np.int64)
+    stack[0, 0] = 0
+    stack[0, 1] = 0
+    stack[0, 2] = count
+    depth = 1
+    used = 1
+    while depth > 0:
+        depth -= 1
+        node = stack[depth, 0]
+        first = stack[depth, 1]
+        last = stack[depth, 2]
+        if last - first <= LEAF_SIZE:
+            child[node, 0] = -1 - first
+            child[node, 1] = last - first
+            continue
+        best_axis = 0
+        best_extent = -1.0
+        for axis in range(3):
+            low = np.inf
+            high = -np.inf
+            for k in range(first, last):
+                c = boxes[order[k], axis] + boxes[order[k], axis + 3]
+                low = min(low, c)
+                high = max(high, c)
+            if high - low > best_extent:
+                best_extent = high - low
+                best_axis = axis
+        keys = np.empty(last - first, np.float64)
+        for k in range(first, last):
+            keys[k - first] = boxes[order[k], best_axis] + boxes[order[k], best_axis + 3]
+        # A stable sort keeps the tree independent of anything but its input.
+        ranks = np.argsort(keys, kind="mergesort")
+        part = order[first:last].copy()
+        for k in range(last - first):
+            order[first + k] = part[ranks[k]]
+        middle = (first + last) // 2
+        child[node, 0] = used
+        child[node, 1] = used + 1
+        stack[depth, 0] = used
+        stack[depth, 1] = first
+        stack[depth, 2] = middle
+        stack[depth + 1, 0] = used + 1
+        stack[depth + 1, 1] = middle
+        stack[depth + 1, 2] = last
+        depth += 2
+        used += 2
+    return used
+
+
+@kernel(types.void(F64_2, I32_1, I32_2, OUT_F64_2))
+def _refit(boxes, order, child, tree_box):  # type: ignore[no-untyped-def]
+    for node in range(child.shape[0] - 1, -1, -1):
+        if child[node, 0] < 0:
+            first = -1 - child[node, 0]
+            for axis in range(3):
+                low = np.inf
+                high = -np.inf
+                for k in range(first, first + child[node, 1]):
+                    low = min(low, boxes[order[k], axis])
+                    high = max(high, boxes[order[k], axis + 3])
+                tree_box[node, axis] = low
+                tree_box[node, axis + 3] = high
+        else:
+            left = child[node, 0]
+            right = child[node, 1]
+            for axis in range(3):
+                tree_box[node, axis] = min(tree_box[left, axis], tree_box[right, axis])
+                tree_box[node, axis + 3] = max(tree_box[left, axis + 3], tree_box[right, axis + 3])
+
+
+def build(boxes: Float) -> Bvh:
+    """Build the hierarchy over boxes of shape (n, 6), n >= 1: lower corner, upper corner."""
+    count = len(boxes)
+    order = np.empty(count, np.int32)
+    child = np.empty((2 * count + 1, 2), np.int32)
+    used = _split(boxes, order, child)
+    tree = Bvh(order, child[:used].copy(), np.empty((used, 6)))
+    refit(tree, boxes)
+    return tree
+
+
+def refit(tree: Bvh, boxes: Float) -> None:
+    """Update the boxes of the tree in place; its structure stays."""
+    _refit(boxes, tree.order, tree.child, tree.box)
+
+
+@helper
+def _apart(a, i, b, j):  # type: ignore[no-untyped-def]
+    """Whether row i of boxes a and row j of boxes b are disjoint."""
+    return (
+        a[i, 0] > b[j, 3]
+        or b[j, 0] > a[i, 3]
+        or a[i, 1] > b[j, 4]
+        or b[j, 1] > a[i, 4]
+        or a[i, 2] > b[j, 5]
+        or b[j, 2] > a[i, 5]
+    )
+
+
+@kernel(
+    types.int64(
+        F64_2, I32_1, I32_2, F64_2, F64_2, I32_1, I32_2, F64_2, types.boolean, OUT_I32_2
+    )
+)
+def _overlaps(  # type: ignore[no-untyped-def]
+    boxes_a, order_a, child_a, tree_a, boxes_b, order_b, child_b, tree_b, same, pairs
+):
+    """Write overlapping pairs while they fit; return how many there are."""
+    capacity = pairs.shape[0]
+    found = 0
+    stack = np.empty((1024, 2), np.int32)
+    stack[0, 0] = 0
+    stack[0, 1] = 0
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        i = stack[depth, 0]
+        j = stack[depth, 1]
+        if not (same and i == j) and _apart(tree_a, i, tree_b, j):
+            continue
+        leaf_i = child_a[i, 0] < 0
+        leaf_j = child_b[j, 0] < 0
+        if leaf_i and leaf_j:
+            first_i = -1 - child_a[i, 0]
+            first_j = -1 - child_b[j, 0]
+            for k in range(first_i, first_i + child_a[i, 1]):
+                a = order_a[k]
+                begin = k + 1 if same and i == j else first_j
+                for m in range(begin, first_j + child_b[j, 1]):
+                    b = order_b[m]
+                    if not _apart(boxes_a, a, boxes_b, b):
+                        if found < capacity:
+                            pairs[found, 0] = a
+                            pairs[found, 1] = b
+                        found += 1
+        elif same and i == j:
+            left = child_a[i, 0]
+            right = child_a[i, 1]
+            stack[depth, 0] = left
+            stack[depth, 1] = left
+            stack[depth + 1, 0] = right
+            stack[depth + 1, 1] = right
+            stack[depth + 2, 0] = left
+            stack[depth + 2, 1] = right
+            depth += 3
+        else:
+            size_i = (tree_a[i, 3] - tree_a[i, 0]) + (tree_a[i, 4] - tree_a[i, 1]) + (tree_a[i, 5] - tree_a[i, 2])
+            size_j = (tree_b[j, 3] - tree_b[j, 0]) + (tree_b[j, 4] - tree_b[j, 1]) + (tree_b[j, 5] - tree_b[j, 2])
+            if leaf_j or (not leaf_i and size_i >= size_j):
+                stack[depth, 0] = child_a[i, 0]
+                stack[depth, 1] = j
+                stack[depth + 1, 0] = child_a[i, 1]
+                stack[depth + 1, 1] = j
+            else:
+                stack[depth, 0] = i
+                stack[depth, 1] = child_b[j, 0]
+                stack[depth + 1, 0] = i
+                stack[depth + 1, 1] = child_b[j, 1]
+            depth += 2
+    return found
+
+
+def overlapping_pairs(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float) -> Int:
+    """Index pairs (a, b) of overlapping boxes, shape (p, 2)."""
+    return _collect(tree_a, boxes_a, tree_b, boxes_b, False)
+
+
+def self_overlapping_pairs(tree: Bvh, boxes: Float) -> Int:
+    """Index pairs of overlapping boxes within one set, each once, shape (p, 2)."""
+    return _collect(tree, boxes, tree, boxes, True)
+
+
+def _collect(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float, same: bool) -> Int:
+    capacity = 16 * len(boxes_a) + 1024
+    while True:
+        pairs = np.empty((capacity, 2), np.int32)
+        found = _overlaps(
+            boxes_a, tree_a.order, tree_a.child, tree_a.box, boxes_b, tree_b.order, tree_b.child, tree_b.box,
+            same, pairs,
+        )  # fmt: skip
+        if found <= capacity:
+            return pairs[:found]
+        capacity = found

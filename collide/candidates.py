@@ -1,0 +1,140 @@
+"""Candidate pairs: every vertex-face and edge-edge pair closer than the reaches of its two sides."""
+
+import numpy as np
+from numba import types
+
+from toile.collide import bvh
+from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.collide.surface import Surface
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
+
+
+@helper
+def _box_gap_exceeds(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
+    """Whether the axis-aligned boxes of the two primitives are farther apart than reach."""
+    for axis in range(3):
+        if kind == 0:
+            low_a = p[i, axis]
+            high_a = low_a
+            low_b = min(p[j, axis], p[k, axis], p[m, axis])
+            high_b = max(p[j, axis], p[k, axis], p[m, axis])
+        else:
+            low_a = min(p[i, axis], p[j, axis])
+            high_a = max(p[i, axis], p[j, axis])
+            low_b = min(p[k, axis], p[m, axis])
+            high_b = max(p[k, axis], p[m, axis])
+        if low_a - high_b > reach or low_b - high_a > reach:
+            return True
+    return False
+
+
+@helper
+def _is_candidate(p, weld, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
+    """Whether the pair shares no (sewn) vertex and is closer than the reaches of its two sides together."""
+    a = weld[i]
+    b = weld[j]
+    c = weld[k]
+    d = weld[m]
+    if kind == 0:
+        if a == b or a == c or a == d:
+            return False
+    elif a == c or a == d or b == c or b == d:
+        return False
+    if kind == 0:
+        reach = reaches[i] + max(reaches[j], reaches[k], reaches[m])
+    else:
+        reach = max(reaches[i], reaches[j]) + max(reaches[k], reaches[m])
+    if _box_gap_exceeds(p, kind, i, j, k, m, reach):
+        return False
+    wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
+    x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
+    return length(x, y, z) < reach
+
+
+@kernel(
+    types.UniTuple(types.int64, 2)(
+        F64_2, I32_1, I32_2, I32_2, BOOL_2, BOOL_2, I32_2, BOOL_2, BOOL_2, F64_1, OUT_I32_2, OUT_I32_2
+    )
+)
+def _emit(  # type: ignore[no-untyped-def]
+    p, weld, pairs, faces_a, vertex_a, edge_a, faces_b, vertex_b, edge_b, reach, vertex_face, edge_edge
+):
+    """Write the candidates of face pairs while they fit; return how many of each kind there are."""
+    count_vf = 0
+    count_ee = 0
+    for row in range(pairs.shape[0]):
+        ta = pairs[row, 0]
+        tb = pairs[row, 1]
+        for side in range(2):
+            for corner in range(3):
+                if side == 0:
+                    if not vertex_a[ta, corner]:
+                        continue
+                    v, a, b, c = faces_a[ta, corner], faces_b[tb, 0], faces_b[tb, 1], faces_b[tb, 2]
+                else:
+                    if not vertex_b[tb, corner]:
+                        continue
+                    v, a, b, c = faces_b[tb, corner], faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
+                if _is_candidate(p, weld, 0, v, a, b, c, reach):
+                    if count_vf < vertex_face.shape[0]:
+                        vertex_face[count_vf, 0] = v
+                        vertex_face[count_vf, 1] = a
+                        vertex_face[count_vf, 2] = b
+                        vertex_face[count_vf, 3] = c
+                    count_vf += 1
+        for k in range(3):
+            if not edge_a[ta, k]:
+                continue
+            a = faces_a[ta, k]
+            b = faces_a[ta, (k + 1) % 3]
+            for m in range(3):
+                if not edge_b[tb, m]:
+                    continue
+                c = faces_b[tb, m]
+                d = faces_b[tb, (m + 1) % 3]
+                if _is_candidate(p, weld, 1, a, b, c, d, reach):
+                    if count_ee < edge_edge.shape[0]:
+                        edge_edge[count_ee, 0] = a
+                        edge_edge[count_ee, 1] = b
+                        edge_edge[count_ee, 2] = c
+                        edge_edge[count_ee, 3] = d
+                    count_ee += 1
+    return count_vf, count_ee
+
+
+def find_candidates(
+    p: Float, weld: Int, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
+    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float,
+) -> tuple[Int, Int]:  # fmt: skip
+    """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
+
+    Parameters
+    ----------
+    p
+        Positions that the faces index [m], shape (n, 3).
+    weld
+        Vertices with the same number are one sewn vertex: pairs that share one are left out, shape (n,).
+    a, b
+        The two surfaces; b is None for pairs within a.
+    boxes_a, tree_a, boxes_b, tree_b
+        Face boxes, grown by the reach of their vertices, and hierarchies that were refitted to them.
+    reach
+        Half the contact radius plus the motion that the list must cover, per vertex [m], shape (n,).
+    """
+    if b is None:
+        pairs = bvh.self_overlapping_pairs(tree_a, boxes_a)
+        b = a
+    else:
+        pairs = bvh.overlapping_pairs(tree_a, boxes_a, tree_b, boxes_b)
+    capacity = 4 * len(pairs) + 64
+    while True:
+        vertex_face = np.empty((capacity, 4), np.int32)
+        edge_edge = np.empty((capacity, 4), np.int32)
+        found = _emit(
+            p, weld, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge, reach,
+            vertex_face, edge_edge,
+        )  # fmt: skip
+        if max(found) <= capacity:
+            return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()
+        capacity = max(found)

@@ -1,0 +1,173 @@
+"""The safe move: shorten displacements, vertex by vertex, until no pair can meet on the way.
+
+For a pair at distance d > 0 with normal n (from one primitive's closest point to the other's), the convex
+primitives keep apart along n for the whole straight motion if they are apart along n at its end: each
+side's extreme is a minimum (maximum) of linear functions of time. So a pair is safe if its separation
+along n at the end is at least a kept share of d. Motion along the surface, and motion together, is not
+limited at all. Where a pair is not safe, only the vertices that approach are shortened; factors only
+ever decrease, and each cut is checked again until all pairs are safe.
+
+Related: displacement bounds of offset geometric contact (Chen et al. 2025), which limit every direction.
+"""
+
+import numpy as np
+from numba import types
+
+from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, helper, kernel
+
+KEPT_SHARE = 0.2
+"""Share of its distance that a pair keeps in one move."""
+FLOOR = 2e-5
+"""Distance [m] below which a pair comes no closer."""
+MAX_SWEEPS = 60
+
+
+@kernel(types.int64(F64_2, F64_1, I32_2, types.int64, OUT_I32_1, OUT_F64_2))
+def _planes(p, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-def]
+    """Collect the pairs that the motion could bring together, with normal, distance and offsets.
+
+    plane rows: n (3), d, then each vertex's distance behind its own support plane (4). Returns their count.
+    """
+    count = 0
+    for row in range(pairs.shape[0]):
+        i = pairs[row, 0]
+        j = pairs[row, 1]
+        k = pairs[row, 2]
+        m = pairs[row, 3]
+        wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
+        x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
+        d = length(x, y, z)
+        if kind == 0:
+            motion = reach[i] + max(reach[j], reach[k], reach[m])
+        else:
+            motion = max(reach[i], reach[j]) + max(reach[k], reach[m])
+        if d > 0.0 and d - motion >= max(KEPT_SHARE * d, min(d, FLOOR)):
+            continue
+        active[count] = row
+        inverse = 1.0 / max(d, 1e-300)
+        nx = x * inverse
+        ny = y * inverse
+        nz = z * inverse
+        plane[count, 0] = nx
+        plane[count, 1] = ny
+        plane[count, 2] = nz
+        plane[count, 3] = d
+        hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
+        hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
+        hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
+        hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
+        if kind == 0:
+            top = max(hj, hk, hm)
+            plane[count, 4] = 0.0
+            plane[count, 5] = top - hj
+            plane[count, 6] = top - hk
+            plane[count, 7] = top - hm
+        else:
+            low = min(hi, hj)
+            top = max(hk, hm)
+            plane[count, 4] = hi - low
+            plane[count, 5] = hj - low
+            plane[count, 6] = top - hk
+            plane[count, 7] = top - hm
+        # The true separation along n can be a rounding error smaller than d.
+        if kind == 0:
+            plane[count, 3] = min(d, hi - top)
+        else:
+            plane[count, 3] = min(d, low - top)
+        count += 1
+    return count
+
+
+@helper
+def _along(nx, ny, nz, move, v):  # type: ignore[no-untyped-def]
+    return nx * move[v, 0] + ny * move[v, 1] + nz * move[v, 2]
+
+
+@helper
+def _cut(factor, v, speed, offset, allowed):  # type: ignore[no-untyped-def]
+    """Shorten vertex v so that its approach (speed * factor - offset) is at most `allowed`."""
+    if speed * factor[v] - offset > allowed:
+        factor[v] = max((allowed + offset) / speed, 0.0)
+
+
+@kernel(types.int64(F64_2, I32_2, types.int64, I32_1, F64_2, types.int64, types.boolean, OUT_F64_1))
+def _sweep(move, pairs, kind, active, plane, count, final, factor):  # type: ignore[no-untyped-def]
+    """Shorten the approaching vertices of every unsafe pair; return how many pairs were unsafe."""
+    unsafe = 0
+    split = 1 if kind == 0 else 2
+    v = np.empty(4, np.int64)
+    toward = np.empty(4, np.float64)
+    for c in range(count):
+        row = active[c]
+        nx = plane[c, 0]
+        ny = plane[c, 1]
+        nz = plane[c, 2]
+        d = plane[c, 3]
+        approach_a = -np.inf
+        approach_b = -np.inf
+        for q in range(4):
+            v[q] = pairs[row, q]
+            along = _along(nx, ny, nz, move, v[q])
+            toward[q] = -along if q < split else along
+            reached = toward[q] * factor[v[q]] - plane[c, 4 + q]
+            if q < split:
+                approach_a = max(approach_a, reached)
+            else:
+                approach_b = max(approach_b, reached)
+        slack = max(d - max(KEPT_SHARE * d, min(d, FLOOR)), 0.0)
+        if final:
+            # Fixed middle plane: stays true whatever other cuts do.
+            allowed_a = 0.5 * slack
+            allowed_b = 0.5 * slack
+            if approach_a <= allowed_a and approach_b <= allowed_b:
+                continue
+        else:
+            if approach_a + approach_b <= slack * (1.0 + 1e-9) + 1e-15:
+                continue
+            if approach_a <= 0.0:
+                allowed_a = approach_a
+                allowed_b = slack - approach_a
+            elif approach_b <= 0.0:
+                allowed_b = approach_b
+                allowed_a = slack - approach_b
+            else:
+                share = slack / (approach_a + approach_b)
+                allowed_a = approach_a * share
+                allowed_b = approach_b * share
+        unsafe += 1
+        for q in range(4):
+            _cut(factor, v[q], toward[q], plane[c, 4 + q], allowed_a if q < split else allowed_b)
+    return unsafe
+
+
+def safe_factors(p: Float, move: Float, vertex_face: Int, edge_edge: Int) -> Float:
+    """Factor in [0, 1] per vertex so that p + factor * move, moved straight, lets no pair meet.
+
+    Parameters
+    ----------
+    p, move
+        Positions and wanted displacements [m], shape (n, 3).
+    vertex_face, edge_edge
+        All pairs that can meet: those whose distance is less than the motion of their vertices.
+    """
+    factor = np.ones(len(p))
+    reach = np.sqrt(np.einsum("ij,ij->i", move, move))
+    sets = []
+    for kind, pairs in ((0, vertex_face), (1, edge_edge)):
+        if len(pairs) == 0:
+            continue
+        active = np.empty(len(pairs), np.int32)
+        plane = np.empty((len(pairs), 8))
+        count = _planes(p, reach, pairs, kind, active, plane)
+        if count:
+            sets.append((pairs, kind, active[:count], plane[:count], count))
+    for sweep in range(MAX_SWEEPS + 1):
+        final = sweep == MAX_SWEEPS
+        unsafe = 0
+        for pairs, kind, active, plane, count in sets:
+            unsafe += _sweep(move, pairs, kind, active, plane, count, final, factor)
+        if unsafe == 0:
+            break
+    return factor

@@ -1,0 +1,114 @@
+"""The contact search of one cloth topology against one avatar: candidates carried over between steps."""
+
+import numpy as np
+
+from toile.collide import bvh
+from toile.collide.candidates import find_candidates
+from toile.collide.surface import Surface, surface_of
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
+from numba import types
+
+NO_PAIRS = np.empty((0, 4), np.int32)
+
+
+@kernel(types.void(F64_2, I32_2, F64_1, OUT_F64_2))
+def _grown_boxes(p, faces, reach, boxes):  # type: ignore[no-untyped-def]
+    """Boxes of faces [m], shape (t, 6), each grown by the largest reach of its vertices."""
+    for t in range(faces.shape[0]):
+        a = faces[t, 0]
+        b = faces[t, 1]
+        c = faces[t, 2]
+        grow = max(reach[a], reach[b], reach[c])
+        for axis in range(3):
+            boxes[t, axis] = min(p[a, axis], p[b, axis], p[c, axis]) - grow
+            boxes[t, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis]) + grow
+
+
+class AvatarSurface:
+    """A still avatar, ready to be searched: shared by all topologies of a run."""
+
+    def __init__(self, vertices: Float, faces: Int, reach: float) -> None:
+        self.vertices = vertices
+        self.faces = faces
+        self.reach = reach
+        self.boxes = np.empty((len(faces), 6))
+        _grown_boxes(vertices, faces, np.full(len(vertices), reach), self.boxes)
+        self.tree = bvh.build(self.boxes)
+
+    @property
+    def vertex_area(self) -> Float:
+        """A third of the area of the faces around each vertex [m^2], shape (v,)."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        return np.bincount(self.faces.ravel(), weights=np.repeat(area / 3.0, 3), minlength=len(self.vertices))
+
+
+class ContactSearch:
+    """Candidate pairs that stay complete while no node has used up its allowed motion.
+
+    Attributes
+    ----------
+    positions
+        Cloth nodes followed by avatar vertices [m]: the array that all pairs index.
+    body, cloth
+        (vertex-face, edge-edge) candidates against the avatar and within the cloth.
+    rebuilds
+        How many times candidates were searched anew.
+    """
+
+    def __init__(
+        self, face_nodes: Int, weld: Int, avatar: AvatarSurface | None, *, self_contact: bool, radius: float
+    ) -> None:
+        self._surface = surface_of(face_nodes)
+        self._avatar = avatar
+        self._self_contact = self_contact
+        self._radius = radius
+        count = len(weld)
+        others = 0 if avatar is None else len(avatar.vertices)
+        self._count = count
+        self.positions = np.empty((count + others, 3))
+        self._weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
+        self._reach = np.full(count + others, 0.5 * radius)
+        self._avatar_surface: Surface | None = None
+        if avatar is not None:
+            self.positions[count:] = avatar.vertices
+            self._avatar_surface = surface_of(avatar.faces)
+            shifted = self._avatar_surface.faces + np.int32(count)
+            self._avatar_surface = Surface(shifted, self._avatar_surface.owns_vertex, self._avatar_surface.owns_edge)
+        self._boxes = np.empty((len(face_nodes), 6))
+        self._tree: bvh.Bvh | None = None
+        self._origin = np.full((count, 3), np.nan)
+        self._allowed = np.zeros(count)
+        self.body: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
+        self.cloth: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
+        self.rebuilds = 0
+
+    def covers(self, x: Float, motion: Float) -> bool:
+        """Whether the candidates hold every pair that can meet when nodes at x move by at most `motion` [m]."""
+        used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
+        return bool((used + motion <= self._allowed).all())
+
+    def search(self, x: Float, motion: Float) -> None:
+        """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x."""
+        self.positions[: self._count] = x
+        self._origin = x.copy()
+        self._allowed = motion.copy()
+        self._reach[: self._count] = 0.5 * self._radius + motion
+        _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
+        if self._tree is None:
+            self._tree = bvh.build(self._boxes)
+        else:
+            bvh.refit(self._tree, self._boxes)
+        self.rebuilds += 1
+        if self._self_contact:
+            self.cloth = find_candidates(
+                self.positions, self._weld, self._surface, self._boxes, self._tree, None, self._boxes, self._tree,
+                self._reach,
+            )  # fmt: skip
+        if self._avatar is not None:
+            assert self._avatar_surface is not None
+            self.body = find_candidates(
+                self.positions, self._weld, self._surface, self._boxes, self._tree, self._avatar_surface,
+                self._avatar.boxes, self._avatar.tree, self._reach,
+            )  # fmt: skip

@@ -1,0 +1,43 @@
+"""A triangle surface as the contact search sees it: each vertex and edge owned by exactly one face."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toile.geometry.arrays import Bool, Int
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Faces and ownership flags.
+
+    Representative triangles (Curtis, Tamstorf and Manocha 2008): a pair of faces tests only the vertices
+    and edges that its faces own, so every vertex-face and edge-edge pair is tested once.
+
+    Attributes
+    ----------
+    faces
+        Vertex indices, shape (t, 3).
+    owns_vertex
+        Whether face t owns its corner k, shape (t, 3).
+    owns_edge
+        Whether face t owns its edge from corner k to corner k + 1, shape (t, 3).
+    """
+
+    faces: Int
+    owns_vertex: Bool
+    owns_edge: Bool
+
+
+def surface_of(faces: Int) -> Surface:
+    """Give every vertex and every edge to the first face that has it."""
+    corners = faces.ravel()
+    owns_vertex = np.zeros(corners.shape, bool)
+    owns_vertex[np.unique(corners, return_index=True)[1]] = True
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1).astype(np.int64)
+    keys = edges[:, 0] * (int(faces.max(initial=0)) + 1) + edges[:, 1]
+    owns_edge = np.zeros(keys.shape, bool)
+    owns_edge[np.unique(keys, return_index=True)[1]] = True
+    return Surface(
+        np.ascontiguousarray(faces, np.int32), owns_vertex.reshape(-1, 3), owns_edge.reshape(-1, 3)
+    )

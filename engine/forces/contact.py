@@ -1,0 +1,195 @@
+"""Contact: a barrier on the gap of close pairs, and smoothed Coulomb friction with lagged normal force.
+
+Per pair with gap d below the contact radius r, area A and stiffness kappa [Pa/m]:
+quadratic kappa A (r - d)^2 / 2 down to r / 2, logarithmic below (force kappa A r^2 / (4 d)), so that the
+force is smooth and grows without limit as the gap closes (activation of Chen et al. 2025, eq. 18-20).
+Friction pulls against the tangential slip u of this step with mu * lambda * f(|u|), f rising smoothly
+from 0 to 1 at |u| = slip (Li et al. 2020, section 5).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import types
+
+from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_I32_2, kernel
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Active contacts of one evaluation; rows of `nodes` index cloth nodes, -1 is an avatar vertex.
+
+    Attributes
+    ----------
+    nodes, weights
+        The four vertices of a pair and their weights in the gap vector, shape (c, 4).
+    force
+        Force on the pair [N]: vertex q receives weights[q] * force, shape (c, 3).
+    stiffness
+        Positive semi-definite stiffness [N/m], shape (c, 3, 3).
+    gap
+        Distance [m], shape (c,).
+    body
+        Number of leading rows whose other side is the avatar.
+    energy
+        Barrier plus friction energy [J].
+    """
+
+    nodes: Int
+    weights: Float
+    force: Float
+    stiffness: Float
+    gap: Float
+    body: int
+    energy: float
+
+    @property
+    def count(self) -> int:
+        """Number of active contacts."""
+        return len(self.gap)
+
+
+@kernel(
+    types.int64(
+        F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
+        types.float64, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_3, OUT_F64_1, OUT_F64_1,
+    )
+)  # fmt: skip
+def _evaluate(  # type: ignore[no-untyped-def]
+    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, begin,
+    nodes, weights, force, stiffness, gap, energy,
+):  # fmt: skip
+    """Append the active pairs of one list from row `begin`; return the new row count."""
+    count = begin
+    w = np.empty(4, np.float64)
+    for row in range(pairs.shape[0]):
+        i = pairs[row, 0]
+        j = pairs[row, 1]
+        k = pairs[row, 2]
+        m = pairs[row, 3]
+        r = min(radius[i], radius[j], radius[k], radius[m]) * radius_share
+        w[0], w[1], w[2], w[3] = pair_weights(p, kind, i, j, k, m)
+        x, y, z = weighted_sum(p, i, j, k, m, w[0], w[1], w[2], w[3])
+        d = length(x, y, z)
+        if d >= r or d <= 0.0:
+            continue
+        nx = x / d
+        ny = y / d
+        nz = z / d
+        patch = abs(w[0]) * area[i] + abs(w[1]) * area[j] + abs(w[2]) * area[k] + abs(w[3]) * area[m]
+        scale = 0.5 * kappa * patch
+        if d >= 0.5 * r:
+            push = scale * (r - d)
+            hard = scale
+            energy[0] += 0.5 * scale * (r - d) * (r - d)
+        else:
+            push = scale * r * r / (4.0 * d)
+            hard = push / d
+            energy[0] += scale * r * r * (0.125 - 0.25 * np.log(2.0 * d / r))
+        sx = 0.0
+        sy = 0.0
+        sz = 0.0
+        for q in range(4):
+            v = pairs[row, q]
+            sx += w[q] * (p[v, 0] - p_start[v, 0])
+            sy += w[q] * (p[v, 1] - p_start[v, 1])
+            sz += w[q] * (p[v, 2] - p_start[v, 2])
+        along = sx * nx + sy * ny + sz * nz
+        sx -= along * nx
+        sy -= along * ny
+        sz -= along * nz
+        slid = length(sx, sy, sz)
+        grip = 0.0
+        if mu > 0.0:
+            # Secant stiffness of the friction law: positive, and exact at no slip and at full slip.
+            if slid < slip:
+                grip = mu * push * (2.0 - slid / slip) / slip
+                energy[0] += mu * push * slid * slid * (1.0 - slid / (3.0 * slip)) / slip
+            else:
+                grip = mu * push / slid
+                energy[0] += mu * push * (slid - slip / 3.0)
+        force[count, 0] = push * nx - grip * sx
+        force[count, 1] = push * ny - grip * sy
+        force[count, 2] = push * nz - grip * sz
+        stiff = hard - grip
+        stiffness[count, 0, 0] = stiff * nx * nx + grip
+        stiffness[count, 1, 1] = stiff * ny * ny + grip
+        stiffness[count, 2, 2] = stiff * nz * nz + grip
+        stiffness[count, 0, 1] = stiff * nx * ny
+        stiffness[count, 1, 0] = stiff * nx * ny
+        stiffness[count, 0, 2] = stiff * nx * nz
+        stiffness[count, 2, 0] = stiff * nx * nz
+        stiffness[count, 1, 2] = stiff * ny * nz
+        stiffness[count, 2, 1] = stiff * ny * nz
+        gap[count] = d
+        for q in range(4):
+            v = pairs[row, q]
+            weights[count, q] = w[q]
+            nodes[count, q] = v if v < cloth_nodes else -1
+        count += 1
+    return count
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactLaw:
+    """Parameters of contact between two surfaces.
+
+    Attributes
+    ----------
+    stiffness
+        Pressure per depth [Pa/m].
+    friction
+        Coulomb coefficient.
+    edge_share
+        Contact radius of edge-edge pairs as a share of the vertex-face radius: on smooth surfaces
+        vertices carry the load, and edges only need to take over where the surface is sharp.
+    """
+
+    stiffness: float
+    friction: float
+    edge_share: float
+
+
+def evaluate_contacts(
+    p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
+    radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw, slip: float,
+) -> Contacts:  # fmt: skip
+    """Evaluate all candidate pairs at positions p.
+
+    Parameters
+    ----------
+    p, p_start
+        Cloth nodes followed by avatar vertices now and at the start of the step [m], shape (n, 3).
+    body, cloth
+        (vertex-face, edge-edge) candidates against the avatar and within the cloth.
+    radius_body, radius_self
+        Contact radius per vertex [m], shape (n,); a pair uses its smallest.
+    area
+        Area per vertex [m^2], shape (n,).
+    slip
+        Slip at which friction is fully mobilised in this step [m].
+    """
+    capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
+    nodes = np.empty((capacity, 4), np.int32)
+    weights = np.empty((capacity, 4))
+    force = np.empty((capacity, 3))
+    stiffness = np.empty((capacity, 3, 3))
+    gap = np.empty(capacity)
+    energy = np.zeros(1)
+    count = 0
+    touching_body = 0
+    for pairs_of, radius, law in ((body, radius_body, law_body), (cloth, radius_self, law_self)):
+        for kind in (0, 1):
+            if len(pairs_of[kind]):
+                share = law.edge_share if kind else 1.0
+                count = _evaluate(
+                    p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, law.friction,
+                    slip, share, count, nodes, weights, force, stiffness, gap, energy,
+                )  # fmt: skip
+        if pairs_of is body:
+            touching_body = count
+    return Contacts(
+        nodes[:count], weights[:count], force[:count], stiffness[:count], gap[:count], touching_body, float(energy[0])
+    )
