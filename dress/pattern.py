@@ -1,0 +1,126 @@
+"""A sewing pattern: flat panels placed in space, and the seams between their edges. All lengths in metres."""
+
+from dataclasses import dataclass
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Quadratic:
+    """Bezier edge with one control point (u, v), relative to the chord d = end - start.
+
+    The point is start + u d + v q, where q is d turned left by 90 degrees.
+    """
+
+    control: Point
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """Bezier edge with two control points, each relative to the chord as in `Quadratic`."""
+
+    control_a: Point
+    control_b: Point
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular edge.
+
+    Attributes
+    ----------
+    radius
+        Radius [m]; at least half the distance between the end points.
+    large
+        True for the longer way round.
+    right
+        True if the angle about the centre increases along the edge: a minor arc bulges to the right of
+        travel.
+    """
+
+    radius: float
+    large: bool
+    right: bool
+
+
+Curve = Quadratic | Cubic | Arc | None
+"""None is a straight edge."""
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices)."""
+
+    start: int
+    end: int
+    curve: Curve = None
+    label: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """A flat piece of fabric.
+
+    Attributes
+    ----------
+    name
+        Unique in its pattern.
+    vertices
+        Corners in the panel's own plane [m].
+    edges
+        One closed loop; edge i ends where edge i + 1 starts. The loop runs counter-clockwise seen from the
+        right side of the fabric, so a loop that is clockwise in (x, y) shows its wrong side to +z.
+    translation
+        Place of the panel's origin in the world [m].
+    rotation_degrees
+        Turns about the world's x, then y, then z axis.
+    label
+        Part of the body that the panel covers ("body", "leg", "arm", or "").
+    warp_degrees
+        Direction of the warp, counter-clockwise from the panel's +y.
+    """
+
+    name: str
+    vertices: tuple[Point, ...]
+    edges: tuple[Edge, ...]
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation_degrees: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    label: str = ""
+    warp_degrees: float = 0.0
+
+
+@dataclass(frozen=True)
+class Stitch:
+    """A seam between two whole edges.
+
+    The end of edge a joins the start of edge b (right side to right side); with `right_wrong` start joins
+    start. Edges of different length are gathered. Two edges of one panel that share a corner make a dart.
+    """
+
+    panel_a: str
+    edge_a: int
+    panel_b: str
+    edge_b: int
+    right_wrong: bool = False
+
+    @property
+    def name(self) -> str:
+        """Such as "left_sleeve_f.0 - left_sleeve_b.5"."""
+        return f"{self.panel_a}.{self.edge_a} - {self.panel_b}.{self.edge_b}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pattern:
+    """Panels and stitches of one garment; `notes` say what the reader had to assume, one sentence each."""
+
+    name: str
+    panels: tuple[Panel, ...]
+    stitches: tuple[Stitch, ...]
+    notes: tuple[str, ...] = ()
+
+    def panel(self, name: str) -> Panel:
+        """Return the panel of that name. Raises KeyError."""
+        for panel in self.panels:
+            if panel.name == name:
+                return panel
+        raise KeyError(name)
