@@ -1,0 +1,100 @@
+"""Longest-edge bisection (Rivara 1984): refines a surface and at least halves no angle more than once."""
+
+import numpy as np
+
+from toile.geometry.arrays import Bool, Float, Int
+
+
+def subdivide(
+    positions: Float, uv: Float, node: Int, faces: Int, *, longest: float
+) -> tuple[Float, Float, Int, Int, Int]:
+    """Split edges until none is longer than a given length; the surface itself does not change.
+
+    Parameters
+    ----------
+    positions
+        Nodes, shape (n, 3).
+    uv
+        Texture coordinates of material vertices, shape (m, 2).
+    node
+        Node of every material vertex, shape (m,).
+    faces
+        Triangles into material vertices, shape (t, 3).
+    longest
+        Longest edge allowed, in the unit of positions.
+
+    Returns
+    -------
+    positions, uv, node, faces, parent
+        The refined mesh and the original face of every face.
+    """
+    parent = np.arange(len(faces), dtype=np.int32)
+    while True:
+        corners = node[faces]
+        ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1).astype(np.int64)
+        keys, edge = np.unique(ends[..., 0] * len(positions) + ends[..., 1], return_inverse=True)
+        edge = edge.reshape(-1, 3)
+        start, end = keys // len(positions), keys % len(positions)
+        lengths = np.linalg.norm(positions[end] - positions[start], axis=1)
+        marked = lengths > longest
+        if not marked.any():
+            return positions, uv, node, faces, parent
+        # Equal lengths are ranked by edge number, so that two faces agree on the longest.
+        rank = np.empty(len(lengths), dtype=np.int64)
+        rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
+        largest = rank[edge].argmax(axis=1)
+        _spread(marked, edge, edge[np.arange(len(edge)), largest])
+        middle = np.full(len(keys), -1, dtype=np.int64)
+        middle[marked] = len(positions) + np.arange(np.count_nonzero(marked))
+        positions = np.concatenate([positions, 0.5 * (positions[start[marked]] + positions[end[marked]])])
+        rows = np.arange(len(faces))[:, None]
+        turn = (np.arange(3)[None, :] + largest[:, None]) % 3
+        faces, edge = faces[rows, turn], edge[rows, turn]
+        uv, node, halves = _material_middles(uv, node, faces, edge, marked, middle)
+        faces, parent = _split(faces, halves, parent)
+
+
+def _spread(marked: Bool, edge: Int, longest_edge: Int) -> None:
+    """Mark, in place, the longest edge of every face that has a marked edge, until nothing changes."""
+    while True:
+        needed = longest_edge[marked[edge].any(axis=1)]
+        if marked[needed].all():
+            return
+        marked[needed] = True
+
+
+def _material_middles(
+    uv: Float, node: Int, faces: Int, edge: Int, marked: Bool, middle: Int
+) -> tuple[Float, Int, Int]:
+    """Return uv and node with the midpoints added, and each face's three midpoints (-1 where none)."""
+    halves = np.full(faces.shape, -1, dtype=np.int32)
+    where = marked[edge]
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)[where], axis=-1).astype(np.int64)
+    keys, first, index = np.unique(
+        ends[:, 0] * len(node) + ends[:, 1], return_index=True, return_inverse=True
+    )
+    halves[where] = len(node) + index.ravel()
+    added = 0.5 * (uv[keys // len(node)] + uv[keys % len(node)])
+    nodes = middle[edge[where]][first]
+    return np.concatenate([uv, added]), np.concatenate([node, nodes]).astype(np.int32), halves
+
+
+def _split(faces: Int, halves: Int, parent: Int) -> tuple[Int, Int]:
+    """Return the split faces and their parents; edge 0 of every face is its longest."""
+    a, b, c = faces.T
+    ab, bc, ca = halves.T
+    whole = ab < 0
+    left, right = (ab >= 0) & (ca >= 0), (ab >= 0) & (bc >= 0)
+    pieces = [
+        (whole, (a, b, c)),
+        ((ab >= 0) & (ca < 0), (a, ab, c)),
+        (left, (a, ab, ca)),
+        (left, (ab, c, ca)),
+        ((ab >= 0) & (bc < 0), (ab, b, c)),
+        (right, (ab, b, bc)),
+        (right, (ab, bc, c)),
+    ]
+    made = np.concatenate([np.column_stack(corners)[where] for where, corners in pieces])
+    source = np.concatenate([np.flatnonzero(where) for where, _ in pieces])
+    order = np.argsort(source, kind="stable")
+    return np.ascontiguousarray(made[order], dtype=np.int32), parent[source[order]]

@@ -1,0 +1,141 @@
+"""What the user asks for: who wears which garments, of which fabric, how exactly."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from pathlib import Path
+
+from toile.dress.avatar import Avatar
+from toile.dress.garment_mesh import GarmentMesh
+from toile.dress.quality import quality_preset
+from toile.engine.fabric import Fabric
+from toile.geometry.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class AvatarFile:
+    """A body still on disk; units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None."""
+
+    path: Path
+    units: str | None = None
+    up: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MannequinSize:
+    """Size of the built-in mannequin [m]: height and circumferences; None keeps its default."""
+
+    height: float | None = None
+    chest: float | None = None
+    waist: float | None = None
+    hip: float | None = None
+
+    def given(self) -> dict[str, float]:
+        """Return only the sizes that are set."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+@dataclass(frozen=True)
+class Garment:
+    """One garment of a scene.
+
+    Attributes
+    ----------
+    source
+        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
+        specification (.json) or of a 3-D mesh (.obj, .ply, .glb), or a finished GarmentMesh.
+    fabric
+        Preset name or Fabric; None takes the scene's.
+    name
+        Name in output files; None takes it from the source.
+    self_contact
+        False leaves out the garment's contact with itself.
+    pins
+        Edge labels (such as "lower_interface") and numbers of material vertices held in place.
+    warp_angle
+        Turn of the warp direction in the pattern plane, counter-clockwise seen from the right side
+        [degrees]: one number for all panels, or panel name to number.
+    units, up
+        Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
+    """
+
+    source: str | Path | GarmentMesh
+    _: KW_ONLY
+    fabric: str | Fabric | None = None
+    name: str | None = None
+    self_contact: bool = True
+    pins: tuple[str | int, ...] = ()
+    warp_angle: float | Mapping[str, float] = 0.0
+    units: str | None = None
+    up: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Everything a drape needs to know; nothing is read or built before `toile.dress(scene)`.
+
+    Attributes
+    ----------
+    garments
+        Garments from the body outwards; a name or path stands for a Garment with defaults.
+    avatar
+        The body: an Avatar, a file, or a mannequin size; None is the built-in mannequin.
+    fabric
+        Preset name or Fabric of garments that name none; None is cotton-poplin.
+    fabrics
+        User-defined fabrics by name; they win over presets of the same name.
+    quality
+        "preview", "standard" or "accurate".
+    edge_length
+        Edge length of the triangles [m]; None takes the quality's.
+    max_frames
+        Frames after which the drape stops; None takes the quality's.
+    gravity
+        Downward acceleration [m/s^2].
+    friction
+        Coulomb coefficient against the avatar for all garments; None takes each fabric's.
+    threads
+        Threads the kernels may use. The result does not depend on it.
+    """
+
+    garments: tuple[Garment, ...]
+    avatar: Avatar | AvatarFile | MannequinSize | None = None
+    fabric: str | Fabric | None = None
+    fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    quality: str = "standard"
+    edge_length: float | None = None
+    max_frames: int | None = None
+    gravity: float = 9.81
+    friction: float | None = None
+    threads: int = 1
+
+    def __post_init__(self) -> None:
+        """Accept convenient spellings and check numbers. Raises InputError naming the field."""
+        garments: object = self.garments
+        if isinstance(garments, str | Path | Garment | GarmentMesh):
+            garments = (garments,)
+        if not isinstance(garments, list | tuple):
+            raise InputError(f"garments must be a list of garments, got {type(garments).__name__}")
+        object.__setattr__(
+            self, "garments", tuple(g if isinstance(g, Garment) else Garment(g) for g in garments)
+        )
+        avatar: object = self.avatar
+        if isinstance(avatar, str | Path):
+            object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
+        if not self.garments:
+            raise InputError("the scene has no garment: name a pattern, a mesh or a built-in such as tshirt")
+        quality_preset(self.quality)
+        _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
+        _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
+        _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
+        _check_number("friction", self.friction, low=0.0, high=10.0)
+        _check_number("threads", self.threads, low=1, high=1024)
+
+
+def _check_number(name: str, value: float | None, *, low: float, high: float, unit: str = "") -> None:
+    """Raise InputError unless the value is None or lies in [low, high]."""
+    if value is None:
+        return
+    if not isinstance(value, int | float) or not math.isfinite(value) or not low <= value <= high:
+        between = f"{low:g} and {high:g} {unit}".rstrip()
+        raise InputError(f"{name} must lie between {between}, got {value!r}")

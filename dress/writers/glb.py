@@ -1,0 +1,125 @@
+"""Binary glTF 2.0: named nodes with positions, normals, texture coordinates and one colour each."""
+
+import json
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toile.geometry.arrays import Float, Int
+
+FLOAT, UNSIGNED_INT = 5126, 5125
+VERTICES, INDICES = 34962, 34963
+"""Constants of the glTF 2.0 specification (component types and buffer targets)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlbMesh:
+    """One node of the file.
+
+    Attributes
+    ----------
+    name
+        Name of the node, mesh and material.
+    positions, normals
+        Vertices [m], Y up, and their unit normals, shape (n, 3).
+    faces
+        Triangles, shape (t, 3).
+    colour
+        Linear red, green and blue in 0..1.
+    uv
+        Texture coordinates, v upwards, shape (n, 2), or None.
+    double_sided
+        True for cloth, which is seen from both sides.
+    """
+
+    name: str
+    positions: Float
+    normals: Float
+    faces: Int
+    colour: tuple[float, float, float]
+    uv: Float | None = None
+    double_sided: bool = False
+
+
+class _Buffer:
+    """The binary chunk, its views and accessors."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, int]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add(self, array: npt.NDArray[Any], kind: str, target: int, *, bounds: bool = False) -> int:
+        """Append an array of 4-byte numbers and return its accessor's index."""
+        component = UNSIGNED_INT if array.dtype == np.uint32 else FLOAT
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes, "target": target}
+        accessor: dict[str, Any] = {
+            "bufferView": len(self.views),
+            "componentType": component,
+            "count": len(array),
+            "type": kind,
+        }
+        if bounds:
+            accessor |= {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
+        self.data += array.tobytes()
+        self.views.append(view)
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+
+def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
+    """Return a GLB file with one node per mesh."""
+    buffer = _Buffer()
+    gltf_meshes = []
+    for index, mesh in enumerate(meshes):
+        attributes = {
+            "POSITION": buffer.add(mesh.positions.astype("<f4"), "VEC3", VERTICES, bounds=True),
+            "NORMAL": buffer.add(mesh.normals.astype("<f4"), "VEC3", VERTICES),
+        }
+        if mesh.uv is not None:
+            # glTF counts v downwards.
+            flipped = np.column_stack([mesh.uv[:, 0], 1.0 - mesh.uv[:, 1]]).astype("<f4")
+            attributes["TEXCOORD_0"] = buffer.add(flipped, "VEC2", VERTICES)
+        indices = buffer.add(mesh.faces.ravel().astype(np.uint32), "SCALAR", INDICES)
+        primitive = {"attributes": attributes, "indices": indices, "material": index}
+        gltf_meshes.append({"name": mesh.name, "primitives": [primitive]})
+    document = {
+        "asset": {"version": "2.0", "generator": "toile"},
+        "scene": 0,
+        "scenes": [{"name": "dressed", "nodes": list(range(len(meshes)))}],
+        "nodes": [{"name": mesh.name, "mesh": index} for index, mesh in enumerate(meshes)],
+        "meshes": gltf_meshes,
+        "materials": [_material(mesh) for mesh in meshes],
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": len(buffer.data)}],
+    }
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(buffer.data)
+    return b"".join(
+        [
+            struct.pack("<4sII", b"glTF", 2, total),
+            struct.pack("<I4s", len(text), b"JSON"),
+            text,
+            struct.pack("<I4s", len(buffer.data), b"BIN\0"),
+            bytes(buffer.data),
+        ]
+    )
+
+
+def _material(mesh: GlbMesh) -> dict[str, Any]:
+    """Return a dull, rough material of the mesh's colour."""
+    return {
+        "name": mesh.name,
+        "doubleSided": mesh.double_sided,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*mesh.colour, 1.0],
+            "metallicFactor": 0.0,
+            "roughnessFactor": 0.9,
+        },
+    }
