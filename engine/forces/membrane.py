@@ -1,0 +1,185 @@
+"""Stretch and shear of fabric: Baraff and Witkin's conditions as a finite-element energy.
+
+With F = [f_u f_v] the deformation gradient of a face (columns: where a metre of warp and of weft goes), the
+energy per rest area is k_u/2 (|f_u| - 1)^2 + k_v/2 (|f_v| - 1)^2 + k_s/2 (f_u . f_v)^2, independent of the
+mesh. The Hessian is projected on its positive semi-definite part in closed form.
+
+Sources: Baraff and Witkin 1998, section 4 (the conditions); Kim 2020, "A finite element formulation of
+Baraff-Witkin cloth" (energy per area, eigenvalues).
+"""
+
+from math import sqrt
+
+import numpy as np
+from numba import types
+
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, kernel
+
+OUT_F64_4 = types.Array(types.float64, 4, "C")
+
+
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1))
+def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
+    """Fill element energies [J], shape (t,)."""
+    for t in range(len(faces)):
+        ux = uy = uz = vx = vy = vz = 0.0
+        for a in range(3):
+            i = faces[t, a]
+            du, dv = shape[t, 4 + a], shape[t, 7 + a]
+            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
+            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        warp = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
+        weft = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
+        shear = ux * vx + uy * vy + uz * vz
+        density = shape[t, 1] * warp * warp + shape[t, 2] * weft * weft + shape[t, 3] * shear * shear
+        energy[t] = 0.5 * shape[t, 0] * density
+
+
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
+def _strains(faces: Int, shape: Float, x: Float, strain: Float) -> None:
+    """Fill |f_u| - 1, |f_v| - 1, shape (t, 2)."""
+    for t in range(len(faces)):
+        ux = uy = uz = vx = vy = vz = 0.0
+        for a in range(3):
+            i = faces[t, a]
+            du, dv = shape[t, 4 + a], shape[t, 7 + a]
+            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
+            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        strain[t, 0] = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
+        strain[t, 1] = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
+
+
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1, OUT_F64_3, OUT_F64_4))
+def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float, hessian: Float) -> None:
+    """Fill energies [J], gradients [N] (t, 3, 3) and Hessian blocks [N/m] (t, 6, 3, 3).
+
+    Projected Hessian in (f_u, f_v). Stretch: k on f f^T / |f|^2 and max(0, k (1 - 1/|f|)) across it. Shear,
+    with I6 = f_u . f_v, I2 = |f_u|^2 + |f_v|^2: its only positive eigenvalue in the plane of (f_u, f_v) and
+    (f_v, f_u) is lambda = (I2 + sqrt(I2^2 + 12 I6^2)) / 2 with vector q = (I6 f_u + lambda f_v, I6 f_v +
+    lambda f_u); across that plane it is |I6|, twice, on (d, s d) with s the sign of I6 and d perpendicular to
+    w = f_u + s f_v.
+    """
+    f = np.empty((2, 3))
+    w, q = np.empty(3), np.empty((2, 3))
+    stress, huu, huv, hvv = np.empty((2, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for t in range(len(faces)):
+        area, k_u, k_v, k_s = shape[t, 0], shape[t, 1], shape[t, 2], shape[t, 3]
+        i, j, k = faces[t, 0], faces[t, 1], faces[t, 2]
+        for c in range(3):
+            f[0, c] = shape[t, 4] * x[i, c] + shape[t, 5] * x[j, c] + shape[t, 6] * x[k, c]
+            f[1, c] = shape[t, 7] * x[i, c] + shape[t, 8] * x[j, c] + shape[t, 9] * x[k, c]
+        uu = f[0, 0] * f[0, 0] + f[0, 1] * f[0, 1] + f[0, 2] * f[0, 2]
+        vv = f[1, 0] * f[1, 0] + f[1, 1] * f[1, 1] + f[1, 2] * f[1, 2]
+        i6 = f[0, 0] * f[1, 0] + f[0, 1] * f[1, 1] + f[0, 2] * f[1, 2]
+        length_u, length_v, i2 = sqrt(uu), sqrt(vv), uu + vv
+        inverse_u = 1.0 / length_u if length_u > 0.0 else 0.0
+        inverse_v = 1.0 / length_v if length_v > 0.0 else 0.0
+        strain_u, strain_v = length_u - 1.0, length_v - 1.0
+        energy[t] = 0.5 * area * (k_u * strain_u * strain_u + k_v * strain_v * strain_v + k_s * i6 * i6)
+        pull_u, pull_v, pull_s = (
+            area * k_u * strain_u * inverse_u,
+            area * k_v * strain_v * inverse_v,
+            area * k_s * i6,
+        )
+        for c in range(3):
+            stress[0, c] = pull_u * f[0, c] + pull_s * f[1, c]
+            stress[1, c] = pull_v * f[1, c] + pull_s * f[0, c]
+        for a in range(3):
+            for c in range(3):
+                gradient[t, a, c] = shape[t, 4 + a] * stress[0, c] + shape[t, 7 + a] * stress[1, c]
+
+        across_u, across_v = area * k_u * max(0.0, 1.0 - inverse_u), area * k_v * max(0.0, 1.0 - inverse_v)
+        along_u, along_v = (area * k_u - across_u) * inverse_u**2, (area * k_v - across_v) * inverse_v**2
+        if inverse_u == 0.0:
+            across_u = 0.0
+        if inverse_v == 0.0:
+            across_v = 0.0
+        side = 1.0 if i6 >= 0.0 else -1.0
+        lam = 0.5 * (i2 + sqrt(i2 * i2 + 12.0 * i6 * i6))
+        q_squared = i2 * (i6 * i6 + lam * lam) + 4.0 * i6 * i6 * lam
+        stiff_q = area * k_s * lam / q_squared if q_squared > 0.0 else 0.0
+        stiff_w = 0.5 * area * k_s * abs(i6)
+        w_squared = i2 + 2.0 * side * i6
+        inverse_w = 1.0 / w_squared if w_squared > 0.0 else 0.0
+        for c in range(3):
+            w[c] = f[0, c] + side * f[1, c]
+            q[0, c] = i6 * f[0, c] + lam * f[1, c]
+            q[1, c] = i6 * f[1, c] + lam * f[0, c]
+        for r in range(3):
+            for c in range(3):
+                unit = 1.0 if r == c else 0.0
+                rest = stiff_w * (unit - inverse_w * w[r] * w[c])
+                huu[r, c] = along_u * f[0, r] * f[0, c] + across_u * unit + stiff_q * q[0, r] * q[0, c] + rest
+                hvv[r, c] = along_v * f[1, r] * f[1, c] + across_v * unit + stiff_q * q[1, r] * q[1, c] + rest
+                huv[r, c] = stiff_q * q[0, r] * q[1, c] + side * rest
+        for pair in range(6):
+            a = pair if pair < 3 else (0 if pair < 5 else 1)
+            b = pair if pair < 3 else (1 if pair == 3 else 2)
+            du_a, dv_a, du_b, dv_b = shape[t, 4 + a], shape[t, 7 + a], shape[t, 4 + b], shape[t, 7 + b]
+            for r in range(3):
+                for c in range(3):
+                    hessian[t, pair, r, c] = (
+                        du_a * du_b * huu[r, c]
+                        + dv_a * dv_b * hvv[r, c]
+                        + du_a * dv_b * huv[r, c]
+                        + dv_a * du_b * huv[c, r]
+                    )
+
+
+class Membrane:
+    """Membrane energy of faces.
+
+    Attributes
+    ----------
+    element_energy
+        Energy of every face [J], shape (t,).
+    element_gradient
+        Gradient at its corners [N], shape (t, 3, 3).
+    element_hessian
+        Positive semi-definite blocks of the corner pairs (0,0), (1,1), (2,2), (0,1), (0,2), (1,2) [N/m],
+        shape (t, 6, 3, 3).
+    """
+
+    def __init__(
+        self, faces: Int, rest_corners: Float, stretch_warp: Float, stretch_weft: Float, shear: Float
+    ) -> None:
+        """Build for faces (t, 3) of nodes, rest corners (t, 3, 2) [m] and stiffness (t,) [N/m].
+
+        Rest corners are in (warp, weft) coordinates. A face without rest area has no energy.
+        """
+        count = len(faces)
+        first = rest_corners[:, 1] - rest_corners[:, 0]
+        second = rest_corners[:, 2] - rest_corners[:, 0]
+        determinant = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        solid = np.abs(determinant) > 0.0
+        inverse = np.divide(1.0, determinant, out=np.zeros(count), where=solid)
+        # columns: rest area; stiffness of warp, weft and shear; u, then v, derivative of the corners
+        shape = np.empty((count, 10))
+        shape[:, 0] = 0.5 * np.abs(determinant)
+        shape[:, 1], shape[:, 2], shape[:, 3] = stretch_warp, stretch_weft, shear
+        shape[:, 5], shape[:, 6] = second[:, 1] * inverse, -first[:, 1] * inverse
+        shape[:, 8], shape[:, 9] = -second[:, 0] * inverse, first[:, 0] * inverse
+        shape[:, 4], shape[:, 7] = -shape[:, 5] - shape[:, 6], -shape[:, 8] - shape[:, 9]
+        self.faces = faces
+        self._shape = shape
+        self.element_energy = np.zeros(count)
+        self.element_gradient = np.zeros((count, 3, 3))
+        self.element_hessian = np.zeros((count, 6, 3, 3))
+
+    def energy(self, x: Float) -> float:
+        """Energy [J] at node positions x [m], shape (n, 3)."""
+        _energies(self.faces, self._shape, x, self.element_energy)
+        return float(self.element_energy.sum())
+
+    def evaluate(self, x: Float) -> None:
+        """Fill the element arrays at node positions x [m], shape (n, 3)."""
+        _evaluate(
+            self.faces, self._shape, x, self.element_energy, self.element_gradient, self.element_hessian
+        )
+
+    def warp_weft_strain(self, x: Float) -> Float:
+        """Return stretch along warp and weft, |f_u| - 1 and |f_v| - 1, shape (t, 2)."""
+        strain = np.empty((len(self.faces), 2))
+        _strains(self.faces, self._shape, x, strain)
+        return strain
