@@ -6,13 +6,7 @@ from scipy.sparse import coo_matrix, diags_array
 from scipy.spatial import ConvexHull
 
 from toile.dress.avatar import Avatar
-from toile.dress.mannequin_figure import (
-    CHEST_LEVEL,
-    HIP_LEVEL,
-    WAIST_LEVEL,
-    Build,
-    figure_distance,
-)
+from toile.dress.mannequin_figure import CHEST_LEVELS, HIP_LEVELS, WAIST_LEVELS, Build, figure_distance
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -79,7 +73,13 @@ def _fitted_build(chest: float, waist: float, hip: float) -> Build:
     factors = np.ones(3)
     for _ in range(30):
         build = Build(chest=factors[0], waist=factors[1], hip=factors[2])
-        girths = np.array([_girth(level, build) for level in (CHEST_LEVEL, WAIST_LEVEL, HIP_LEVEL)])
+        girths = np.array(
+            [
+                max(_girth(level, build) for level in CHEST_LEVELS),
+                min(_girth(level, build) for level in WAIST_LEVELS),
+                max(_girth(level, build) for level in HIP_LEVELS),
+            ]
+        )
         if (np.abs(girths / wanted - 1.0) < GIRTH_TOLERANCE).all():
             break
         factors *= wanted / girths
@@ -88,8 +88,8 @@ def _fitted_build(chest: float, waist: float, hip: float) -> Build:
 
 def _girth(level: float, build: Build) -> float:
     """Convex girth of the figure's trunk at a height above the floor, both in heights."""
-    angles = np.linspace(0.0, np.pi, 91)
-    radii = np.linspace(0.02, 0.30, 141)
+    angles = np.linspace(0.0, np.pi, 61)
+    radii = np.linspace(0.02, 0.30, 71)
     centre = 0.005
     x = np.sin(angles)[:, None] * radii
     z = centre + np.cos(angles)[:, None] * radii

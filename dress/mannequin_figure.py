@@ -110,8 +110,12 @@ CROTCH = 0.463
 LEG_GAP = 1.19
 """Smallest distance of the leg's centre from the middle, in half widths of the thigh."""
 
-CHEST_LEVEL, WAIST_LEVEL, HIP_LEVEL = 0.718, 0.625, 0.505
-"""Levels whose girths are asked for."""
+CHEST_LEVELS = (0.695, 0.710, 0.720)
+"""Levels among which the chest is largest."""
+WAIST_LEVELS = (0.610, 0.625, 0.640)
+"""Levels among which the waist is smallest."""
+HIP_LEVELS = (0.475, 0.490, 0.505, 0.520, 0.535)
+"""Levels among which the hip is largest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +140,7 @@ def figure_distance(points: Float, build: Build) -> Float:
 
 def trunk_factor(levels: Float, build: Build) -> Float:
     """Factor on the trunk's cross-sections at heights `levels`, shape (n,)."""
-    knots = [0.45, HIP_LEVEL, WAIST_LEVEL, CHEST_LEVEL, 0.79, 0.845, 0.92]
+    knots = [0.45, 0.505, 0.625, 0.718, 0.79, 0.845, 0.92]
     neck = 1.0 + 0.25 * (build.chest - 1.0)
     factors = [build.hip, build.hip, build.waist, build.chest, 0.5 * (1.0 + build.chest), neck, neck]
     return np.asarray(PchipInterpolator(knots, factors)(np.clip(levels, knots[0], knots[-1])))
@@ -221,7 +225,7 @@ def _foot(x: Float, y: Float, z: Float) -> Float:
     at = np.clip(along, low, high - step)
     beyond = np.maximum(np.maximum(low - along, along - high), 0.0)
     distance = _lofted(radial(at), radial(at + step), beyond, step)
-    return -_smooth_min(-distance, y, 0.010)
+    return -_smooth_min(-distance, y, 0.014)
 
 
 def _arm(x: Float, y: Float, z: Float, build: Build) -> Float:
