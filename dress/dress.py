@@ -1,0 +1,218 @@
+"""From a scene to dressed garments: load, mesh, drape, write."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from toile.dress.avatar import Avatar
+from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
+from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
+from toile.dress.garment_mesh import GarmentMesh
+from toile.dress.garment_source import DressForm, check_source, default_name, load_garment, pinned_vertices
+from toile.dress.progress import Progress, ProgressState, TimeLeft
+from toile.dress.quality import quality_preset
+from toile.dress.report import drape_report
+from toile.dress.result import DressedGarment, Result, file_stem, save_report, save_shapes
+from toile.dress.scene import AvatarFile, MannequinSize, Scene
+from toile.dress.suggestion import unknown_name
+from toile.dress.writers.atomic import writable_folder
+from toile.engine.fabric import Fabric
+from toile.geometry.errors import InputError
+
+Say = Callable[[str], None]
+
+
+def dress(
+    scene: Scene,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
+    say: Say | None = None,
+) -> Result:
+    """Put a scene's garments on its avatar.
+
+    Parameters
+    ----------
+    scene
+        What to drape.
+    output
+        Folder for dressed.glb, preview.png, report.json and a PLY and OBJ per garment; None writes nothing.
+    progress
+        Called after every frame; returning False cancels, and what is draped so far is the result.
+    say
+        Called with one sentence for everything that was recognised or repaired.
+
+    Returns
+    -------
+    Result
+        Its status says how the drape ended; a failed one still has what was computed.
+
+    Raises
+    ------
+    InputError
+        If the scene is at fault: which file, field or faces, and what to do.
+    """
+    wall, cpu = time.perf_counter(), time.process_time()
+    folder = None if output is None else writable_folder(output)
+    cloth_fabrics = [_fabric_of(scene, garment.fabric) for garment in scene.garments]
+    for garment in scene.garments:
+        check_source(garment)
+    names = _unique_names(scene)
+    quality = quality_preset(scene.quality)
+    edge_length = scene.edge_length or quality.edge_length
+
+    avatar = load_scene_avatar(scene)
+    for note in avatar.notes:
+        if say is not None:
+            say(f"{avatar.name}: {note}")
+    form = DressForm(avatar)
+    meshes = [
+        load_garment(garment, name, form, edge_length)
+        for garment, name in zip(scene.garments, names, strict=True)
+    ]
+    options = DrapeOptions(
+        edge_length=edge_length,
+        max_frames=scene.max_frames or quality.max_frames,
+        tolerance=quality.tolerance,
+        gravity=scene.gravity,
+        friction=scene.friction,
+        threads=scene.threads,
+        pins=tuple(
+            pinned_vertices(mesh, garment.pins) for mesh, garment in zip(meshes, scene.garments, strict=True)
+        ),
+        self_contact=tuple(garment.self_contact for garment in scene.garments),
+    )
+    io_seconds = time.perf_counter() - wall
+
+    from toile.dress.drape import drape
+
+    cloth = list(zip(meshes, cloth_fabrics, strict=True))
+    outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
+    garments = tuple(
+        _dressed(mesh, fabric, draped) for (mesh, fabric), draped in zip(cloth, outcome.garments, strict=True)
+    )
+
+    writing = time.perf_counter()
+    if folder is not None:
+        save_shapes(folder, avatar, garments)
+    io_seconds += time.perf_counter() - writing
+    report = drape_report(
+        status=outcome.status,
+        failure=outcome.failure,
+        figures=outcome.figures,
+        quality=quality.name,
+        options=options,
+        avatar=_avatar_facts(avatar),
+        garments=[_garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, cloth, strict=True)],
+        wall_seconds=time.perf_counter() - wall,
+        cpu_seconds=time.process_time() - cpu,
+        io_seconds=io_seconds,
+    )
+    if folder is not None:
+        save_report(folder, report)
+    return Result(status=outcome.status, report=report, avatar=avatar, garments=garments)
+
+
+def load_scene_avatar(scene: Scene) -> Avatar:
+    """Return the scene's avatar, read or built."""
+    if isinstance(scene.avatar, Avatar):
+        return scene.avatar
+    if isinstance(scene.avatar, AvatarFile):
+        from toile.dress.avatar import load_avatar
+
+        return load_avatar(scene.avatar.path, units=scene.avatar.units, up=scene.avatar.up)
+    if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):
+        raise InputError(f"avatar must be an Avatar, a file or a mannequin size, got {scene.avatar!r}")
+    from toile.dress.mannequin import mannequin
+
+    return mannequin(**(scene.avatar.given() if scene.avatar is not None else {}))
+
+
+def _fabric_of(scene: Scene, wanted: str | Fabric | None) -> Fabric:
+    """Return a garment's fabric, checked."""
+    choice = wanted if wanted is not None else scene.fabric if scene.fabric is not None else DEFAULT_FABRIC
+    if isinstance(choice, Fabric):
+        return checked_fabric(choice)
+    known = {**fabrics(), **scene.fabrics}
+    if choice not in known:
+        raise InputError(unknown_name("fabric", choice, known))
+    return checked_fabric(known[choice])
+
+
+def _unique_names(scene: Scene) -> list[str]:
+    """Return one name per garment, with numbers where two would write the same file."""
+    names: list[str] = []
+    taken = {"body", "dressed"}
+    for garment in scene.garments:
+        base = name = default_name(garment)
+        number = 2
+        while file_stem(name).lower() in taken:
+            name = f"{base}_{number}"
+            number += 1
+        taken.add(file_stem(name).lower())
+        names.append(name)
+    return names
+
+
+def _frame_callback(progress: Progress | None, tolerance: float) -> Callable[[FrameState], bool]:
+    """Return the engine's callback: estimates the time left and passes the frame on."""
+    clock = TimeLeft(tolerance)
+
+    def on_frame(state: FrameState) -> bool:
+        left = clock.update(state)
+        if progress is None:
+            return True
+        answer = progress(
+            ProgressState(
+                frame=state.frame,
+                max_frames=state.max_frames,
+                faces=state.faces,
+                contacts=state.contacts,
+                residual=state.residual,
+                tolerance=tolerance,
+                seconds=state.seconds,
+                seconds_left=left,
+            )
+        )
+        return answer is not False
+
+    return on_frame
+
+
+def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> DressedGarment:
+    """Return a draped garment with its name and panels."""
+    return DressedGarment(
+        name=mesh.name,
+        fabric=fabric,
+        positions=draped.positions,
+        faces=draped.faces,
+        uv=draped.uv,
+        uv_faces=draped.faces_material,
+        panel=draped.panel,
+        panel_names=mesh.panel_names,
+    )
+
+
+def _avatar_facts(avatar: Avatar) -> dict[str, Any]:
+    """Return what the report says about the avatar."""
+    return {
+        "name": avatar.name,
+        "vertices": len(avatar.vertices),
+        "faces": len(avatar.faces),
+        "metres_per_unit": avatar.metres_per_unit,
+        "up_axis": avatar.up_axis,
+        "notes": list(avatar.notes),
+    }
+
+
+def _garment_facts(garment: DressedGarment, mesh: GarmentMesh) -> dict[str, Any]:
+    """Return what the report says about a garment."""
+    return {
+        "name": garment.name,
+        "fabric": garment.fabric.name,
+        "panels": list(garment.panel_names),
+        "nodes": len(garment.positions),
+        "faces": len(garment.faces),
+        "stitches": len(mesh.stitches),
+        "minimum_angle_degrees": mesh.minimum_angle,
+    }

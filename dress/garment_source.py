@@ -1,0 +1,144 @@
+"""From what a scene calls a garment to its mesh: built-in pattern, pattern file or 3-D mesh."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from toile.dress.avatar import Avatar
+from toile.dress.garment_mesh import GarmentMesh
+from toile.dress.measurements import Measurements
+from toile.dress.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dress.scene import Garment
+from toile.dress.suggestion import unknown_name
+from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import InputError
+
+BUILT_IN = ("tshirt", "circle_skirt", "trousers")
+"""Names of the built-in patterns."""
+LARGEST_DISTANCE = 0.5
+"""A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
+
+
+class DressForm:
+    """The avatar as garments see it; measured only if a built-in pattern is drafted to it."""
+
+    def __init__(self, avatar: Avatar) -> None:
+        self.avatar = avatar
+
+    @cached_property
+    def measurements(self) -> Measurements:
+        """Measurements of the avatar."""
+        from toile.dress.measure import measure
+
+        return measure(self.avatar)
+
+
+def check_source(garment: Garment) -> None:
+    """Raise InputError if the garment's source cannot be what it says, before anything is built."""
+    source = garment.source
+    if isinstance(source, GarmentMesh) or str(source) in BUILT_IN:
+        return
+    path = Path(source)
+    if not path.suffix and not path.exists():
+        known = unknown_name("garment", str(source), BUILT_IN)
+        raise InputError(f"{known} A pattern or mesh file needs its extension")
+    if path.suffix.lower() not in (".json", *MESH_FORMATS):
+        raise InputError(
+            f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(MESH_FORMATS)}"
+        )
+    if not path.is_file():
+        raise InputError(f"{path}: garment file not found; check the path")
+
+
+def default_name(garment: Garment) -> str:
+    """Return the garment's name, or the one its source suggests."""
+    if garment.name:
+        return garment.name
+    if isinstance(garment.source, GarmentMesh):
+        return garment.source.name
+    return Path(garment.source).name.split(".")[0].removesuffix("_specification")
+
+
+def load_garment(garment: Garment, name: str, form: DressForm, edge_length: float) -> GarmentMesh:
+    """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
+    mesh = replace(_mesh_of(garment, form, edge_length), name=name)
+    _check_place(mesh, form.avatar)
+    return turn_warp(mesh, garment.warp_angle)
+
+
+def pinned_vertices(mesh: GarmentMesh, pins: tuple[str | int, ...]) -> Int:
+    """Return the material vertices that pins name. Raises InputError for an unknown label or number."""
+    found = [np.empty(0, dtype=np.int32)]
+    for pin in pins:
+        if isinstance(pin, str):
+            if pin not in mesh.held:
+                labels = list(mesh.held) or ["none in this garment"]
+                raise InputError(f"garment '{mesh.name}', pins: {unknown_name('label', pin, labels)}")
+            found.append(mesh.held[pin].astype(np.int32))
+        elif not 0 <= pin < len(mesh.positions):
+            raise InputError(
+                f"garment '{mesh.name}', pins: vertex {pin} is not in 0..{len(mesh.positions) - 1}"
+            )
+        else:
+            found.append(np.array([pin], dtype=np.int32))
+    return np.unique(np.concatenate(found)).astype(np.int32)
+
+
+def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentMesh:
+    """Return the garment with its warp turned by an angle [degrees], for all panels or by panel name."""
+    if isinstance(angle, Mapping):
+        for panel in angle:
+            if panel not in mesh.panel_names:
+                raise InputError(
+                    f"garment '{mesh.name}', warp_angle: {unknown_name('panel', panel, mesh.panel_names)}"
+                )
+        per_panel = np.array([float(angle.get(panel, 0.0)) for panel in mesh.panel_names])
+    else:
+        per_panel = np.full(len(mesh.panel_names), float(angle))
+    if not per_panel.any():
+        return mesh
+    turn = np.radians(per_panel)[mesh.panel]
+    cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    warp, weft = mesh.rest_corners[..., 0], mesh.rest_corners[..., 1]
+    # The axes turn counter-clockwise, so coordinates in them turn clockwise.
+    turned: Float = np.stack([cosine * warp + sine * weft, cosine * weft - sine * warp], axis=-1)
+    return replace(mesh, rest_corners=np.ascontiguousarray(turned))
+
+
+def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMesh:
+    """Return the mesh of a checked source."""
+    source = garment.source
+    if isinstance(source, GarmentMesh):
+        return source
+    if Path(source).suffix.lower() in MESH_FORMATS:
+        from toile.dress.mesh_garment import read_mesh_garment
+
+        return read_mesh_garment(
+            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edge_length
+        )
+    from toile.dress.pattern_mesh import mesh_pattern
+
+    if str(source) in BUILT_IN:
+        from toile.dress.patterns import built_in
+
+        return mesh_pattern(built_in(str(source), form.measurements), edge_length=edge_length)
+    from toile.dress.garmentcode import read_garmentcode
+
+    return mesh_pattern(read_garmentcode(source), edge_length=edge_length)
+
+
+def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:
+    """Raise InputError if the garment is nowhere near the avatar."""
+    low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
+    body_low, body_high = avatar.vertices.min(axis=0), avatar.vertices.max(axis=0)
+    apart = np.maximum(np.maximum(low - body_high, body_low - high), 0.0)
+    distance = float(np.linalg.norm(apart))
+    if distance > LARGEST_DISTANCE:
+        axis = "xyz"[int(apart.argmax())]
+        raise InputError(
+            f"garment '{mesh.name}' is {distance:.2f} m away from the body (along {axis}); "
+            "move it onto the body, or check the units and up axis of both"
+        )
