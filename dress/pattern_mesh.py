@@ -13,7 +13,11 @@ from toile.geometry.errors import InputError
 from toile.remesh.panel_mesh import triangulate_panel
 
 Segments = dict[str, list[int]]
-"""Segments per edge of each panel."""
+"""Segments per edge of each panel; 0 where an edge shrinks to one vertex."""
+
+NEGLIGIBLE = 0.2
+"""Edges shorter than this part of the edge length shrink to one vertex, unless sewn to a longer one: a side of
+half a millimetre among sides of ten would ask for a nest of tiny triangles."""
 
 
 def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:
@@ -63,18 +67,19 @@ def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:
 
 def matched_segments(pattern: Pattern, edge_length: float) -> Segments:
     """Segments per edge: as many as `edge_length` asks for; on both sides of a stitch those of the longer."""
-    segments = {
-        # The slack keeps two edges that differ by rounding from getting different numbers.
-        panel.name: [
-            max(1, math.ceil(length_of(panel, i) / edge_length - 1e-6)) for i in range(len(panel.edges))
-        ]
-        for panel in pattern.panels
-    }
+    segments = {panel.name: _wanted_segments(panel, edge_length) for panel in pattern.panels}
     for stitch in pattern.stitches:
         most = max(segments[stitch.panel_a][stitch.edge_a], segments[stitch.panel_b][stitch.edge_b])
         segments[stitch.panel_a][stitch.edge_a] = most
         segments[stitch.panel_b][stitch.edge_b] = most
     return segments
+
+
+def _wanted_segments(panel: Panel, edge_length: float) -> list[int]:
+    lengths = [length_of(panel, i) / edge_length for i in range(len(panel.edges))]
+    # The slack keeps two edges that differ by rounding from getting different numbers.
+    counts = [0 if length < NEGLIGIBLE else max(1, math.ceil(length - 1e-6)) for length in lengths]
+    return counts if sum(counts) >= 4 else [max(1, count) for count in counts]
 
 
 def stitch_pairs(pattern: Pattern, segments: Segments, first: dict[str, int]) -> tuple[Int, Int]:

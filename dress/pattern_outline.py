@@ -11,12 +11,12 @@ from toile.geometry.arrays import Float, Int
 
 
 def outline(panel: Panel, segments: Sequence[int]) -> tuple[Float, Int]:
-    """Sample the outline with so many segments per edge.
+    """Sample the outline with so many segments per edge; an edge with 0 shrinks to its end.
 
     Returns the polygon [m], shape (n, 2), without repeating the first point, and the edge each side of the
     polygon belongs to, shape (n,); side i runs from point i to point i + 1.
     """
-    pieces = [edge_points(panel, edge, count)[:-1] for edge, count in enumerate(segments)]
+    pieces = [edge_points(panel, edge, count)[:-1] for edge, count in enumerate(segments) if count]
     owner = np.repeat(np.arange(len(segments), dtype=np.int32), segments)
     return np.ascontiguousarray(np.concatenate(pieces)), owner
 

@@ -1,5 +1,6 @@
 """Triangulation of one flat panel: its border points are kept as they are, the inside is filled evenly."""
 
+import math
 from dataclasses import dataclass
 
 import manifold3d
@@ -8,7 +9,8 @@ import numpy as np
 from toile.geometry.arrays import Float, Int
 from toile.remesh.delaunay_flip import flip_to_delaunay, neighbours_across
 from toile.remesh.frontal_insert import border_point_sizes, insert_points
-from toile.remesh.smooth_points import smooth_points, stars
+from toile.remesh.smooth_points import lift_worst, smooth_points, stars
+from toile.remesh.split_ears import split_ears
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,11 +25,14 @@ class PanelMeshOptions:
         Triangles with a larger circumradius, in wanted edge lengths, get another point (equilateral: 0.577).
     rounds
         Times that smoothing and flips alternate.
+    ear_angle
+        Corners wider than this [degrees] are not left to a single triangle.
     """
 
     grading: float = 0.35
-    circumradius: float = 0.72
-    rounds: int = 8
+    circumradius: float = 0.77
+    rounds: int = 6
+    ear_angle: float = 60.0
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,10 @@ def triangulate_panel(
         offsets, around = stars(corners, len(points))
         smooth_points(points, corners, size, offsets, around, len(border), 2, 0.7)
         flip_to_delaunay(points, corners, across, stack)
+    split_ears(points, corners, across, len(border), math.cos(math.radians(options.ear_angle)))
+    offsets, around = stars(corners, len(points))
+    smooth_points(points, corners, size, offsets, around, len(border), 2, 0.8)
+    lift_worst(points, corners, offsets, around, len(border), 3, 0.8)
     return PanelMesh(points, corners)
 
 
