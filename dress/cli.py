@@ -253,23 +253,23 @@ def _run_fabrics(options: argparse.Namespace) -> int:
 
 def _run_patterns(options: argparse.Namespace) -> int:
     """List or write the built-in patterns."""
-    from toile.dress.garment_source import BUILT_IN, DressForm
+    from toile.dress.patterns import built_in, built_in_names
 
     if options.write is None:
         if options.avatar is not None:
             raise InputError("--avatar drafts patterns to a body, which needs --write DIR")
-        print("\n".join(BUILT_IN))
+        print("\n".join(built_in_names()))
         return DONE
     from toile.dress.dress import load_scene_avatar
+    from toile.dress.garment_source import DressForm
     from toile.dress.garmentcode_write import write_garmentcode
-    from toile.dress.patterns import built_in
-    from toile.dress.scene import AvatarFile, Scene
+    from toile.dress.scene import AvatarFile, Garment, Scene
     from toile.dress.writers.atomic import writable_folder
 
     folder = writable_folder(options.write)
     avatar = None if options.avatar is None else AvatarFile(path=options.avatar)
-    form = DressForm(load_scene_avatar(Scene(garments=(BUILT_IN[0],), avatar=avatar)))  # type: ignore[arg-type]
-    for name in BUILT_IN:
+    form = DressForm(load_scene_avatar(Scene(garments=[Garment("tshirt")], avatar=avatar)))
+    for name in built_in_names():
         path = folder / f"{name}_specification.json"
         write_garmentcode(built_in(name, form.measurements), path)
         print(f"wrote {path}")

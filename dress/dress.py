@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from toile.dress.avatar import Avatar
+from toile.dress.avatar import Avatar, load_avatar
 from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
 from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
 from toile.dress.garment_mesh import GarmentMesh
@@ -117,9 +117,9 @@ def load_scene_avatar(scene: Scene) -> Avatar:
     """Return the scene's avatar, read or built."""
     if isinstance(scene.avatar, Avatar):
         return scene.avatar
+    if isinstance(scene.avatar, str | Path):
+        return load_avatar(scene.avatar)
     if isinstance(scene.avatar, AvatarFile):
-        from toile.dress.avatar import load_avatar
-
         return load_avatar(scene.avatar.path, units=scene.avatar.units, up=scene.avatar.up)
     if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):
         raise InputError(f"avatar must be an Avatar, a file or a mannequin size, got {scene.avatar!r}")

@@ -11,13 +11,12 @@ from toile.dress.avatar import Avatar
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.measurements import Measurements
 from toile.dress.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dress.patterns import built_in, built_in_names
 from toile.dress.scene import Garment
 from toile.dress.suggestion import unknown_name
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
-BUILT_IN = ("tshirt", "circle_skirt", "trousers")
-"""Names of the built-in patterns."""
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
 
@@ -39,12 +38,12 @@ class DressForm:
 def check_source(garment: Garment) -> None:
     """Raise InputError if the garment's source cannot be what it says, before anything is built."""
     source = garment.source
-    if isinstance(source, GarmentMesh) or str(source) in BUILT_IN:
+    if isinstance(source, GarmentMesh) or built_in_name(source):
         return
     path = Path(source)
     if not path.suffix and not path.exists():
-        known = unknown_name("garment", str(source), BUILT_IN)
-        raise InputError(f"{known} A pattern or mesh file needs its extension")
+        known = unknown_name("garment", str(source), built_in_names())
+        raise InputError(f"{known} (a pattern or mesh file needs its extension)")
     if path.suffix.lower() not in (".json", *MESH_FORMATS):
         raise InputError(
             f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(MESH_FORMATS)}"
@@ -53,13 +52,20 @@ def check_source(garment: Garment) -> None:
         raise InputError(f"{path}: garment file not found; check the path")
 
 
+def built_in_name(source: str | Path | GarmentMesh) -> str | None:
+    """Return the name of the built-in pattern that a source means, as in "T-shirt"; None if it means none."""
+    plain = "".join(letter for letter in str(source).lower() if letter not in "-_ ")
+    return next((name for name in built_in_names() if name.replace("_", "") == plain), None)
+
+
 def default_name(garment: Garment) -> str:
     """Return the garment's name, or the one its source suggests."""
     if garment.name:
         return garment.name
     if isinstance(garment.source, GarmentMesh):
         return garment.source.name
-    return Path(garment.source).name.split(".")[0].removesuffix("_specification")
+    name = built_in_name(garment.source)
+    return name or Path(garment.source).name.split(".")[0].removesuffix("_specification")
 
 
 def load_garment(garment: Garment, name: str, form: DressForm, edge_length: float) -> GarmentMesh:
@@ -121,10 +127,9 @@ def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMe
         )
     from toile.dress.pattern_mesh import mesh_pattern
 
-    if str(source) in BUILT_IN:
-        from toile.dress.patterns import built_in
-
-        return mesh_pattern(built_in(str(source), form.measurements), edge_length=edge_length)
+    name = built_in_name(source)
+    if name:
+        return mesh_pattern(built_in(name, form.measurements), edge_length=edge_length)
     from toile.dress.garmentcode import read_garmentcode
 
     return mesh_pattern(read_garmentcode(source), edge_length=edge_length)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import trimesh
 
 from toile.dress.avatar import Avatar
@@ -197,7 +198,11 @@ def _read_with_trimesh(path: Path) -> Surface:
     except Exception as error:  # trimesh raises whatever its parsers stumble over
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{path}: cannot be read as a mesh ({reason}); export the garment again") from error
-    positions, faces, uvs, panels, names = [], [], [], [], []
+    positions: list[Float] = []
+    faces: list[npt.NDArray[np.int64]] = []
+    uvs: list[Float] = []
+    panels: list[Int] = []
+    names: list[str] = []
     count = 0
     for node_name in sorted(scene.graph.nodes_geometry):
         transform, geometry_name = scene.graph[node_name]

@@ -1,8 +1,11 @@
 """Longest-edge bisection (Rivara 1984): refines a surface and at least halves no angle more than once."""
 
 import numpy as np
+import numpy.typing as npt
 
 from toile.geometry.arrays import Bool, Float, Int
+
+Int64 = npt.NDArray[np.int64]
 
 
 def subdivide(
@@ -64,7 +67,7 @@ def _spread(marked: Bool, edge: Int, longest_edge: Int) -> None:
 
 
 def _material_middles(
-    uv: Float, node: Int, faces: Int, edge: Int, marked: Bool, middle: Int
+    uv: Float, node: Int, faces: Int, edge: Int, marked: Bool, middle: Int64
 ) -> tuple[Float, Int, Int]:
     """Return uv and node with the midpoints added, and each face's three midpoints (-1 where none)."""
     halves = np.full(faces.shape, -1, dtype=np.int32)

@@ -1,7 +1,7 @@
 """What the user asks for: who wears which garments, of which fabric, how exactly."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
@@ -98,8 +98,8 @@ class Scene:
         Threads the kernels may use. The result does not depend on it.
     """
 
-    garments: tuple[Garment, ...]
-    avatar: Avatar | AvatarFile | MannequinSize | None = None
+    garments: Sequence[Garment]
+    avatar: Avatar | AvatarFile | MannequinSize | str | Path | None = None
     fabric: str | Fabric | None = None
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"

@@ -50,10 +50,10 @@ class Surface:
         """Return the surface with quads split along their better diagonal and larger polygons as fans."""
         sizes = np.array([len(face) for face in corners], dtype=np.int64)
         pieces: list[tuple[Int, Int, Int]] = []
-        for size in np.unique(sizes):
-            which = np.flatnonzero(sizes == size)
-            nodes = np.array([corners[i] for i in which], dtype=np.int32)
-            texture = np.array([uv_corners[i] for i in which], dtype=np.int32)
+        for size in np.unique(sizes).tolist():
+            which = np.flatnonzero(sizes == size).astype(np.int32)
+            nodes = np.array([corners[i] for i in which.tolist()], dtype=np.int32)
+            texture = np.array([uv_corners[i] for i in which.tolist()], dtype=np.int32)
             if size == 4:
                 turned = _better_split_from_second(positions, nodes)
                 nodes[turned] = np.roll(nodes[turned], -1, axis=1)
@@ -81,13 +81,12 @@ class Surface:
 
 def _better_split_from_second(positions: Float, quads: Int) -> Int:
     """Return the quads to be split from corner 1 to 3: where that keeps normals alike, or is shorter."""
-    inside = ((quads >= 0) & (quads < len(positions))).all(axis=1)
-    p = positions[np.where(inside[:, None], quads, 0)]
-    with np.errstate(invalid="ignore", over="ignore"):
-        agree = []
-        for a, b, c, d in ((0, 1, 2, 3), (1, 2, 3, 0)):
-            first = np.cross(p[:, b] - p[:, a], p[:, c] - p[:, a])
-            second = np.cross(p[:, c] - p[:, a], p[:, d] - p[:, a])
-            agree.append(np.einsum("ij,ij->i", first, second) > 0.0)
-        longer = np.linalg.norm(p[:, 0] - p[:, 2], axis=1) > np.linalg.norm(p[:, 1] - p[:, 3], axis=1)
-    return np.flatnonzero(np.where(agree[0] == agree[1], longer, agree[1])).astype(np.int32)
+    p = positions[quads]
+    agree = []
+    for a, b, c, d in ((0, 1, 2, 3), (1, 2, 3, 0)):
+        first = np.cross(p[:, b] - p[:, a], p[:, c] - p[:, a])
+        second = np.cross(p[:, c] - p[:, a], p[:, d] - p[:, a])
+        agree.append(np.einsum("ij,ij->i", first, second, dtype=np.float64) > 0.0)
+    longer = np.linalg.norm(p[:, 0] - p[:, 2], axis=1) > np.linalg.norm(p[:, 1] - p[:, 3], axis=1)
+    better = np.where(np.equal(agree[0], agree[1]), longer, agree[1])
+    return np.flatnonzero(better).astype(np.int32)

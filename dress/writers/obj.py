@@ -42,11 +42,12 @@ def obj_bytes(
     row = f"v %.{digits}f %.{digits}f %.{digits}f\n"
     lines = [f"# {comment}\n"] if comment else []
     lines.append((row * len(positions)) % tuple((np.asarray(positions) + 0.0).ravel().tolist()))
-    textured = uv is not None and uv_faces is not None
-    if uv is not None and textured:
+    if uv is not None:
         lines.append(("vt %.7f %.7f\n" * len(uv)) % tuple((uv + 0.0).ravel().tolist()))
-    corners = np.stack([faces, uv_faces], axis=-1) if textured else faces
-    face_row = "f %d/%d %d/%d %d/%d\n" if textured else "f %d %d %d\n"
+    if uv is not None and uv_faces is not None:
+        corners, face_row = np.stack([faces, uv_faces], axis=-1), "f %d/%d %d/%d %d/%d\n"
+    else:
+        corners, face_row = faces, "f %d %d %d\n"
     owner = np.zeros(len(faces), dtype=np.int32) if panel is None else panel
     for number in np.unique(owner).tolist():
         if number < len(panel_names):
