@@ -16,8 +16,10 @@ Segments = dict[str, list[int]]
 """Segments per edge of each panel; 0 where an edge shrinks to one vertex."""
 
 NEGLIGIBLE = 0.2
-"""Edges shorter than this part of the edge length shrink to one vertex, unless sewn to a longer one: a side of
-half a millimetre among sides of ten would ask for a nest of tiny triangles."""
+"""Edges shorter than this part of the edge length shrink to one vertex, unless sewn to a longer one.
+
+A side of half a millimetre among sides of ten would ask for a nest of tiny triangles.
+"""
 
 
 def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:

@@ -1,7 +1,7 @@
 """Corners of a flat triangulation that one triangle fills alone.
 
-Such a triangle ("ear") has two border edges and three border points: nothing in it can move once its border is
-sewn. Flipping its inner edge gives the corner two triangles that share an inner point.
+Such a triangle ("ear") has two border edges and three border points: nothing in it can move once its border
+is sewn. Flipping its inner edge gives the corner two triangles that share an inner point.
 """
 
 from numba import types
@@ -26,7 +26,7 @@ def ear_corner(across, t):  # type: ignore[no-untyped-def]
 def split_ears(points, corners, across, border_count, sharpest):  # type: ignore[no-untyped-def]
     """Split ears whose corner angle has a cosine below `sharpest`; returns the number of flips.
 
-    Left alone is an ear whose neighbour has no inner point to share, or where the flip would invert a triangle.
+    An ear stays whose neighbour has no inner point to share, or where the flip would invert a triangle.
     """
     flips = 0
     for t in range(len(corners)):
