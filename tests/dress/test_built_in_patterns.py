@@ -199,6 +199,10 @@ def test_stitches_run_in_the_right_direction(pattern: Pattern) -> None:
         a, b = pattern.panel(stitch.panel_a), pattern.panel(stitch.panel_b)
         points_a = to_world(a, edge_points(a, stitch.edge_a, 8))
         points_b = to_world(b, edge_points(b, stitch.edge_b, 8))
+        if a.name == b.name.replace("right", "left") != b.name:
+            # A middle seam joins mirror images; the crotch curves are too level for distances to tell.
+            np.testing.assert_allclose(points_a[:, :2] * (-1.0, 1.0), points_b[::-1, :2], atol=1e-9)
+            continue
         sewn, swapped = np.linalg.norm(points_a - points_b[::-1]), np.linalg.norm(points_a - points_b)
         assert sewn < swapped + 1e-9, stitch.name
 
