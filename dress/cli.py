@@ -146,12 +146,9 @@ def _run_dress(options: argparse.Namespace) -> int:
     from toile.dress.dress import dress
     from toile.dress.interrupt import CancelOnInterrupt
     from toile.dress.progress import ProgressPrinter
-    from toile.geometry import kernel
 
     scene = _scene_of(options)
     printer = ProgressPrinter(sys.stderr, quiet=options.quiet)
-    if not kernel.WARM:
-        printer.say("compiling kernels (once)")
     with CancelOnInterrupt() as interrupt:
 
         def on_frame(state: "ProgressState") -> bool:
@@ -159,7 +156,7 @@ def _run_dress(options: argparse.Namespace) -> int:
             return not interrupt.requested
 
         try:
-            result = dress(scene, options.output, on_frame, printer.say)
+            result = dress(scene, options.output, on_frame, None if options.quiet else _say)
         finally:
             printer.close()
     report = result.report
@@ -174,6 +171,11 @@ def _run_dress(options: argparse.Namespace) -> int:
     elif not options.quiet:
         print(_summary(report, options.output))
     return EXIT_CODES[result.status]
+
+
+def _say(text: str) -> None:
+    """Print what the program noticed."""
+    print(text, flush=True)
 
 
 def _scene_of(options: argparse.Namespace) -> "Scene":

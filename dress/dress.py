@@ -40,7 +40,7 @@ def dress(
     progress
         Called after every frame; returning False cancels, and what is draped so far is the result.
     say
-        Called with one sentence for everything that was recognised or repaired.
+        Called with one sentence for everything that was recognised or repaired, and before compiling.
 
     Returns
     -------
@@ -62,8 +62,8 @@ def dress(
     edge_length = scene.edge_length or quality.edge_length
 
     avatar = load_scene_avatar(scene)
-    for note in avatar.notes:
-        if say is not None:
+    if say is not None:
+        for note in avatar.notes:
             say(f"{avatar.name}: {note}")
     form = DressForm(avatar)
     meshes = [
@@ -85,7 +85,10 @@ def dress(
     io_seconds = time.perf_counter() - wall
 
     from toile.dress.drape import drape
+    from toile.geometry.kernel import WARM
 
+    if say is not None and not WARM:
+        say("compiling kernels (once)")
     cloth = list(zip(meshes, cloth_fabrics, strict=True))
     outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
     garments = tuple(

@@ -20,6 +20,8 @@ from toile.geometry.errors import InputError
 
 FORMATS = (".obj", ".ply", ".glb", ".gltf")
 """File extensions of mesh garments."""
+FITS = 1.6
+"""Misfit up to which the avatar's own units and axes are not doubted: 0.1 to 2.5 times its size."""
 SPLIT_ABOVE = 1.4
 """An edge is split when longer than this many edge lengths: halves are then not below 0.7."""
 
@@ -165,17 +167,14 @@ def _in_metres(
         raise InputError(f"{path}: unknown up axis '{up}'; give y or z")
     own = (avatar.metres_per_unit, avatar.up_axis) if avatar else (1.0, "y")
     every = [own, *((scale, axis) for axis in ("y", "z") for scale in METRES_PER_UNIT.values())]
-    tried = [
-        (scale, axis)
+    placed = [
+        _turned(positions, axis) * scale
         for scale, axis in every
         if (units is None or scale == METRES_PER_UNIT[units]) and (up is None or axis == up)
     ]
-    placed = [_turned(positions, axis) * scale for scale, axis in tried]
-    if avatar is not None:
-        for candidate in placed:
-            if _fits(candidate, avatar.vertices):
-                return candidate
-    return placed[0]
+    if avatar is None or _misfit(placed[0], avatar.vertices) < FITS:
+        return placed[0]
+    return min(placed, key=lambda candidate: _misfit(candidate, avatar.vertices))
 
 
 def _turned(positions: Float, up: str) -> Float:
@@ -183,12 +182,14 @@ def _turned(positions: Float, up: str) -> Float:
     return positions if up == "y" else np.ascontiguousarray(positions[:, [0, 2, 1]] * (1.0, 1.0, -1.0))
 
 
-def _fits(garment: Float, body: Float) -> bool:
-    """Whether the garment is centred within the body's box and neither tiny nor huge against it."""
+def _misfit(garment: Float, body: Float) -> float:
+    """How badly a garment fits a body: 0 if centred within its box and about half its size."""
     low, high = body.min(axis=0), body.max(axis=0)
     centre = 0.5 * (garment.min(axis=0) + garment.max(axis=0))
-    size = float(np.linalg.norm(np.ptp(garment, axis=0)) / np.linalg.norm(high - low))
-    return bool(((centre > low - 0.2) & (centre < high + 0.2)).all()) and 0.03 < size < 2.0
+    outside = np.maximum(np.maximum(low - centre, centre - high), 0.0)
+    size = float(np.linalg.norm(high - low))
+    ratio = max(float(np.linalg.norm(np.ptp(garment, axis=0))), 1e-12) / size
+    return float(abs(np.log(ratio / 0.5)) + 5.0 * np.linalg.norm(outside) / size)
 
 
 def _read_with_trimesh(path: Path) -> Surface:

@@ -103,13 +103,6 @@ class ProgressPrinter:
             self._stream.write(text + "\n")
         self._stream.flush()
 
-    def say(self, text: str) -> None:
-        """Show a message on a line of its own."""
-        if not self._quiet:
-            self.close()
-            self._stream.write(text + "\n")
-            self._stream.flush()
-
     def close(self) -> None:
         """End the overwritten line."""
         if self._width:
