@@ -1,6 +1,7 @@
 """Places where a surface crosses itself."""
 
 import numpy as np
+import numpy.typing as npt
 
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -71,19 +72,21 @@ def _near_pairs(vertices: Float, faces: Int) -> Int:
     return np.column_stack([key // len(faces), key % len(faces)]).astype(np.int32)
 
 
-def _pairs_in_cells(low: Float, high: Float, members: Int, cell: float) -> Int:
+def _pairs_in_cells(
+    low: Float, high: Float, members: npt.NDArray[np.int64], cell: float
+) -> npt.NDArray[np.int64]:
     """Pairs of members that enter a common cell of a uniform grid, shape (p, 2), first < second."""
     origin = low.min(axis=0)
     first = np.floor((low[members] - origin) / cell).astype(np.int64)
     last = np.floor((high[members] - origin) / cell).astype(np.int64)
     size = last.max(axis=0, initial=0) + 1 if len(members) else np.ones(3, dtype=np.int64)
     reach = (last - first + 1).max(axis=0, initial=1)
-    cells: list[Int] = []
-    owners: list[Int] = []
+    cells: list[npt.NDArray[np.int64]] = []
+    owners: list[npt.NDArray[np.int64]] = []
     for dx in range(reach[0]):
         for dy in range(reach[1]):
             for dz in range(reach[2]):
-                at = first + (dx, dy, dz)
+                at = first + np.array([dx, dy, dz])
                 inside = (at <= last).all(axis=1)
                 x, y, z = at[inside].T
                 cells.append((x * size[1] + y) * size[2] + z)
@@ -91,18 +94,16 @@ def _pairs_in_cells(low: Float, high: Float, members: Int, cell: float) -> Int:
     cell_of, owner = np.concatenate(cells), np.concatenate(owners)
     order = np.argsort(cell_of, kind="stable")
     cell_of, owner = cell_of[order], owner[order]
-    found: list[Int] = []
+    found: list[npt.NDArray[np.int64]] = []
     # Faces of one cell are neighbours in the sorted list: compare at growing distance until none is left.
-    step = 1
-    while True:
-        together = np.flatnonzero(cell_of[:-step] == cell_of[step:]) if step < len(cell_of) else []
+    for step in range(1, len(cell_of)):
+        together = np.flatnonzero(cell_of[:-step] == cell_of[step:])
         if not len(together):
             break
         a, b = owner[together], owner[together + step]
         overlap = ((low[a] <= high[b]) & (high[a] >= low[b])).all(axis=1)
         a, b = a[overlap], b[overlap]
         found.append(np.column_stack([np.minimum(a, b), np.maximum(a, b)]))
-        step += 1
     return np.concatenate(found) if found else np.empty((0, 2), dtype=np.int64)
 
 
@@ -111,8 +112,10 @@ def _segment_crosses_triangle(start: Float, end: Float, corners: Float) -> Bool:
     a, b, c = corners[:, 0] - start, corners[:, 1] - start, corners[:, 2] - start
     along = end - start
     ab, bc, ca = (np.einsum("ij,ij->i", along, np.cross(p, q)) for p, q in ((a, b), (b, c), (c, a)))
-    within = ((ab > 0) & (bc > 0) & (ca > 0)) | ((ab < 0) & (bc < 0) & (ca < 0))
+    # Through an edge or corner counts: bodies are symmetric, and cross themselves just there.
+    within = ((ab >= 0) & (bc >= 0) & (ca >= 0)) | ((ab <= 0) & (bc <= 0) & (ca <= 0))
     normal = np.cross(b - a, c - a)
     side_start = -np.einsum("ij,ij->i", a, normal)
     side_end = side_start + np.einsum("ij,ij->i", along, normal)
-    return within & (side_start * side_end < 0)
+    crosses: Bool = within & (side_start * side_end < 0)
+    return crosses

@@ -14,7 +14,7 @@ PLANAR_SPREAD = 0.02
 
 
 def boundary_loops(faces: Int) -> list[Int]:
-    """Closed vertex loops along the holes of consistently oriented faces.
+    """Return the closed vertex loops along the holes of consistently oriented faces.
 
     A loop runs so that triangles counter-clockwise along it have the same orientation as the faces.
     """

@@ -75,7 +75,7 @@ def recognise_frame(
 
 
 def _recognised_unit(file_name: str, size: float, is_gltf: bool) -> str:
-    """Unit that makes a body `size` units large human; glTF is metres by its specification."""
+    """Return the unit that makes a body `size` units large human; glTF is metres by its specification."""
     ranges = (HUMAN_SIZE, PLAUSIBLE_SIZE)
     if is_gltf and PLAUSIBLE_SIZE[0] <= size <= PLAUSIBLE_SIZE[1]:
         return "m"

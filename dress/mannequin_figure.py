@@ -20,12 +20,12 @@ TRUNK = np.array(
         (0.505, 0.113, -0.082, 0.061, 2.2),
         (0.530, 0.110, -0.079, 0.066, 2.2),
         (0.560, 0.101, -0.068, 0.068, 2.2),
-        (0.590, 0.091, -0.055, 0.066, 2.2),
-        (0.625, 0.084, -0.048, 0.064, 2.2),
-        (0.655, 0.086, -0.051, 0.067, 2.2),
-        (0.685, 0.091, -0.057, 0.073, 2.2),
-        (0.715, 0.096, -0.062, 0.078, 2.3),
-        (0.745, 0.101, -0.065, 0.072, 2.3),
+        (0.595, 0.091, -0.055, 0.066, 2.2),
+        (0.632, 0.084, -0.048, 0.064, 2.2),
+        (0.658, 0.087, -0.052, 0.067, 2.2),
+        (0.682, 0.093, -0.058, 0.075, 2.2),
+        (0.708, 0.098, -0.062, 0.081, 2.3),
+        (0.740, 0.101, -0.065, 0.072, 2.3),
         (0.770, 0.105, -0.064, 0.058, 2.3),
         (0.790, 0.105, -0.060, 0.045, 2.3),
         (0.805, 0.098, -0.055, 0.036, 2.2),
@@ -110,9 +110,9 @@ CROTCH = 0.463
 LEG_GAP = 1.19
 """Smallest distance of the leg's centre from the middle, in half widths of the thigh."""
 
-CHEST_LEVELS = (0.695, 0.710, 0.720)
+CHEST_LEVELS = (0.690, 0.700, 0.709, 0.717)
 """Levels among which the chest is largest."""
-WAIST_LEVELS = (0.610, 0.625, 0.640)
+WAIST_LEVELS = (0.622, 0.632, 0.642)
 """Levels among which the waist is smallest."""
 HIP_LEVELS = (0.475, 0.490, 0.505, 0.520, 0.535)
 """Levels among which the hip is largest."""
@@ -132,7 +132,7 @@ def figure_distance(points: Float, build: Build) -> Float:
     x, y, z = np.abs(points[:, 0]), points[:, 1], points[:, 2]
     body = _trunk(x, y, z, build)
     body = _smooth_min(body, _leg(x, y, z, build), 0.020)
-    body = _smooth_min(body, _foot(x, y, z), 0.020)
+    body = _smooth_min(body, _foot(x, y, z, build), 0.020)
     body = _smooth_min(body, _arm(x, y, z, build), 0.030)
     head = _smooth_min(_ellipsoid(x, y, z, *CRANIUM), _ellipsoid(x, y, z, *JAW), 0.020)
     return _smooth_min(body, head, 0.014)
@@ -140,9 +140,11 @@ def figure_distance(points: Float, build: Build) -> Float:
 
 def trunk_factor(levels: Float, build: Build) -> Float:
     """Factor on the trunk's cross-sections at heights `levels`, shape (n,)."""
-    knots = [0.45, 0.505, 0.625, 0.718, 0.79, 0.845, 0.92]
+    knots = [0.45, 0.505, 0.632, 0.708, 0.79, 0.845, 0.92]
     neck = 1.0 + 0.25 * (build.chest - 1.0)
-    factors = [build.hip, build.hip, build.waist, build.chest, 0.5 * (1.0 + build.chest), neck, neck]
+    # Shoulders follow a large chest more than a small one: narrow ones would fall too steeply.
+    shoulder = 1.0 + (0.7 if build.chest > 1.0 else 0.4) * (build.chest - 1.0)
+    factors = [build.hip, build.hip, build.waist, build.chest, shoulder, neck, neck]
     return np.asarray(PchipInterpolator(knots, factors)(np.clip(levels, knots[0], knots[-1])))
 
 
@@ -187,12 +189,17 @@ def _trunk(x: Float, y: Float, z: Float, build: Build) -> Float:
     return -_smooth_min(-distance, y - CROTCH, 0.030)
 
 
+def _leg_spread(build: Build) -> float:
+    """Return how far the legs stand further apart, so that heavy thighs keep their gap."""
+    thigh_half_width = 0.051 * build.hip
+    return max(LEG_GAP * thigh_half_width - 0.061, 0.0)
+
+
 def _leg(x: Float, y: Float, z: Float, build: Build) -> Float:
     """Leg from the hip joint to the ankle."""
     profile = PchipInterpolator(LEG[:, 0], LEG[:, 1:])
     low, high = LEG[0, 0], LEG[-1, 0]
-    thigh_half_width = 0.051 * build.hip
-    spread = max(LEG_GAP * thigh_half_width - 0.061, 0.0)
+    spread = _leg_spread(build)
 
     def radial(level: Float) -> Float:
         centre_x, width, back, front = profile(level).T
@@ -208,11 +215,11 @@ def _leg(x: Float, y: Float, z: Float, build: Build) -> Float:
     return _lofted(radial(level), radial(level + step), beyond, step)
 
 
-def _foot(x: Float, y: Float, z: Float) -> Float:
+def _foot(x: Float, y: Float, z: Float, build: Build) -> Float:
     """Foot, flat on the floor."""
     profile = PchipInterpolator(FOOT[:, 0], FOOT[:, 1:])
     sine, cosine = np.sin(TOE_OUT), np.cos(TOE_OUT)
-    ankle_x, ankle_z = LEG[0, 1], -0.010
+    ankle_x, ankle_z = LEG[0, 1] + _leg_spread(build), -0.010
     along = (x - ankle_x) * sine + (z - ankle_z) * cosine
     across = (x - ankle_x) * cosine - (z - ankle_z) * sine
     low, high = FOOT[0, 0], FOOT[-1, 0]
@@ -232,7 +239,7 @@ def _arm(x: Float, y: Float, z: Float, build: Build) -> Float:
     """Arm and hand, straight, with the thumb forward."""
     profile = PchipInterpolator(ARM[:, 0], ARM[:, 1:])
     # Arms stay clear of a larger chest.
-    shoulder_x = SHOULDER[0] + 0.09 * (build.chest - 1.0)
+    shoulder_x = SHOULDER[0] + 0.105 * (build.chest - 1.0)
     cosine, sine = np.cos(ARM_ANGLE), np.sin(ARM_ANGLE)
     along = (x - shoulder_x) * cosine - (y - SHOULDER[1]) * sine
     across = (x - shoulder_x) * sine + (y - SHOULDER[1]) * cosine
@@ -241,7 +248,7 @@ def _arm(x: Float, y: Float, z: Float, build: Build) -> Float:
     def radial(at: Float) -> Float:
         thick, wide, centre = profile(at).T
         share = np.clip(1.0 - at / 0.30, 0.0, 1.0)
-        factor = 1.0 + (build.chest - 1.0) * (0.15 + 0.45 * share)
+        factor = 1.0 + (build.chest - 1.0) * (0.15 + 0.35 * share)
         return _section_distance(across, z - centre, thick * factor, wide * factor, 2.1)
 
     step = 1e-3

@@ -15,8 +15,15 @@ from toile.geometry.errors import InputError
 STEP = 0.005
 """Distance between neighbouring cuts, in body heights."""
 
+PALM, WRIST = 6, (11, 18)
+"""Where the palm begins and the wrist lies: distance from the fingertip along the mesh's edges, in hundredths
+of the height (a hand is 0.105 heights long; paths along edges are about a tenth longer)."""
+
 NECK_BASE_SLOPE = float(np.tan(np.radians(32.0)))
 """Slope of the outline at the base of the neck; shoulders fall at about 20 degrees."""
+
+WIDEST_NECK = 1.7
+"""The base of the neck is at most this much wider than its narrowest place, however steep the shoulders."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +183,7 @@ def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
     girths = [body.trunk_girth(level) for level in levels]
     best = int(np.argmin(girths))
     if best in (0, len(levels) - 1):
-        best = int(np.argmin(np.abs(levels - (crotch + 0.18 * body.height))))
+        best = int(np.argmin(np.abs(levels - (crotch + 0.173 * body.height))))
     return float(levels[best]), girths[best]
 
 
@@ -200,7 +207,9 @@ def _neck_base(body: _Body, silhouette: Float) -> tuple[float, float]:
     upper = y > 0.78 * body.height
     narrowest = int(np.argmin(np.where(upper, x, np.inf)))
     # An arm in A-pose falls at 45 degrees again: stay near the neck.
-    near = y[narrowest:] > y[narrowest] - 0.055 * body.height
+    near = (y[narrowest:] > y[narrowest] - 0.055 * body.height) & (
+        x[narrowest:] - body.middle < WIDEST_NECK * (x[narrowest] - body.middle)
+    )
     best = narrowest + int(np.argmin(np.where(near, NECK_BASE_SLOPE * x[narrowest:] + y[narrowest:], np.inf)))
     return float(x[best]), float(y[best])
 
@@ -276,24 +285,23 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
     if not np.isfinite(outward[tip]) or body.vertices[tip, 0] < armpit_x + 0.02 * body.height:
         raise body.error("no left arm found beside the trunk")
     from_tip = _surface_distance(body, tip)
-    # Centres of rings at equal distance from the fingertip, 0.02 heights apart.
-    ring_step = 0.02 * body.height
+    # Centres of rings at equal distance from the fingertip, 0.01 heights apart, from the palm up.
+    ring_step = 0.01 * body.height
     path = []
-    for k in range(2, 30):
-        ring = np.abs(from_tip - k * ring_step) < 0.5 * ring_step
+    for k in range(PALM, 60):
+        ring = np.abs(from_tip - k * ring_step) < ring_step
         points = body.vertices[ring & (body.vertices[:, 0] > body.middle)]
         # Where a ring reaches the armpit, the arm ends.
         if len(points) < 4 or points[:, 0].min() < armpit_x + 0.01 * body.height:
             break
         path.append(0.5 * (points.min(axis=0) + points.max(axis=0)))
-    if len(path) < 10:
+    if len(path) < 20:
         raise body.error("the left arm is not free of the trunk")
     centres = np.array(path)
 
     girths = np.array([_limb_girth(body, centres, k) for k in range(len(centres))])
-    # A hand is 0.10 to 0.12 heights long; path[k] is (k + 2) rings from the tip.
-    wrist = 2 + int(np.argmin(girths[2:7]))
-    upper = girths[wrist + 7 :]
+    wrist = WRIST[0] - PALM + int(np.argmin(girths[WRIST[0] - PALM : WRIST[1] - PALM]))
+    upper = girths[wrist + 14 :]
     near_shoulder = upper[np.isfinite(upper)]
     if not len(near_shoulder):
         raise body.error("the left arm is too short")
@@ -311,7 +319,7 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
 
 def _limb_girth(body: _Body, centres: Float, k: int) -> float:
     """Girth across a limb at its centre line's point k [m]; infinite where the cut takes in the trunk."""
-    low, high = max(k - 1, 0), min(k + 1, len(centres) - 1)
+    low, high = max(k - 2, 0), min(k + 2, len(centres) - 1)
     normal = centres[high] - centres[low]
     normal = normal / np.linalg.norm(normal)
     sections = cut(body.vertices, body.faces, centres[k], normal)
@@ -327,7 +335,7 @@ def _surface_distance(body: _Body, source: int) -> Float:
     lengths = np.linalg.norm(body.vertices[a] - body.vertices[b], axis=1)
     # Minimum, not sum, where both faces of an edge list it: each direction occurs once.
     graph = coo_matrix((lengths, (a, b)), shape=(len(body.vertices),) * 2).tocsr()
-    return np.asarray(dijkstra(graph, directed=True, indices=source))
+    return np.asarray(dijkstra(graph, directed=True, indices=np.array([source]))[0])
 
 
 def _torso_depth(
