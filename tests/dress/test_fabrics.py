@@ -43,4 +43,4 @@ def test_unknown_name_suggests_the_nearest() -> None:
 )
 def test_unphysical_fields_are_named(field: str, value: float, problem: str) -> None:
     with pytest.raises(InputError, match=f"{field}.*{problem}"):
-        checked_fabric(replace(fabric("canvas"), **{field: value})  # type: ignore[arg-type])
+        checked_fabric(replace(fabric("canvas"), **{field: value}))  # type: ignore[arg-type]
