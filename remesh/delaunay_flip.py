@@ -9,7 +9,7 @@ from numba import types
 
 from toile.geometry.arrays import Int
 from toile.geometry.kernel import F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
-from toile.remesh.plane import outside_circumcircle
+from toile.remesh.plane import after, before, outside_circumcircle
 
 
 def neighbours_across(corners: Int) -> Int:
@@ -38,10 +38,10 @@ def flip(corners, across, t, k):  # type: ignore[no-untyped-def]
     j = 0
     while across[u, j] != t:
         j += 1
-    a, b, c = corners[t, k], corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
+    a, b, c = corners[t, k], corners[t, after(k)], corners[t, before(k)]
     d = corners[u, j]
-    beyond_ab, beyond_ca = across[t, (k + 2) % 3], across[t, (k + 1) % 3]
-    beyond_bd, beyond_dc = across[u, (j + 1) % 3], across[u, (j + 2) % 3]
+    beyond_ab, beyond_ca = across[t, before(k)], across[t, after(k)]
+    beyond_bd, beyond_dc = across[u, after(j)], across[u, before(j)]
     corners[t, 0], corners[t, 1], corners[t, 2] = a, b, d
     corners[u, 0], corners[u, 1], corners[u, 2] = a, d, c
     across[t, 0], across[t, 1], across[t, 2] = beyond_bd, u, beyond_ab
@@ -70,7 +70,7 @@ def edge_is_delaunay(points, corners, across, t, k):  # type: ignore[no-untyped-
     j = 0
     while across[u, j] != t:
         j += 1
-    a, b, c, d = corners[t, k], corners[t, (k + 1) % 3], corners[t, (k + 2) % 3], corners[u, j]
+    a, b, c, d = corners[t, k], corners[t, after(k)], corners[t, before(k)], corners[u, j]
     return outside_circumcircle(
         points[a, 0],
         points[a, 1],

@@ -12,7 +12,7 @@ from numba import types
 
 from toile.geometry.kernel import F64_1, F64_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
 from toile.remesh.delaunay_flip import edge_is_delaunay, flip, replace_neighbour
-from toile.remesh.plane import squared_circumradius, squared_distance_to_segment, turn
+from toile.remesh.plane import after, before, squared_circumradius, squared_distance_to_segment, turn
 
 
 @helper
@@ -45,7 +45,7 @@ def containing_triangle(points, corners, across, t, px, py):  # type: ignore[no-
     for _ in range(len(corners)):
         moved = False
         for k in range(3):
-            b, c = corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
+            b, c = corners[t, after(k)], corners[t, before(k)]
             if turn(points[b, 0], points[b, 1], points[c, 0], points[c, 1], px, py) < 0.0:
                 t = across[t, k]
                 moved = True
@@ -60,11 +60,11 @@ def candidate(points, corners, t, size, use_centre):  # type: ignore[no-untyped-
     """Return the new point for triangle t: off-centre above its shortest edge, or the circumcentre."""
     best, short = 0, math.inf
     for k in range(3):
-        b, c = corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
+        b, c = corners[t, after(k)], corners[t, before(k)]
         squared = (points[b, 0] - points[c, 0]) ** 2 + (points[b, 1] - points[c, 1]) ** 2
         if squared < short:
             best, short = k, squared
-    a, b, c = corners[t, best], corners[t, (best + 1) % 3], corners[t, (best + 2) % 3]
+    a, b, c = corners[t, best], corners[t, after(best)], corners[t, before(best)]
     ax, ay, bx, by, cx, cy = (
         points[a, 0],
         points[a, 1],

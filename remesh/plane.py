@@ -6,6 +6,18 @@ from toile.geometry.kernel import helper
 
 
 @helper
+def after(k):  # type: ignore[no-untyped-def]
+    """Next corner of a triangle, counter-clockwise."""
+    return k + 1 if k < 2 else 0
+
+
+@helper
+def before(k):  # type: ignore[no-untyped-def]
+    """Previous corner of a triangle."""
+    return k - 1 if k > 0 else 2
+
+
+@helper
 def turn(ax, ay, bx, by, cx, cy):  # type: ignore[no-untyped-def]
     """Twice the signed area of a triangle; positive if counter-clockwise."""
     return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)

@@ -5,7 +5,7 @@ from numba import types
 
 from toile.geometry.arrays import Int
 from toile.geometry.kernel import F64_1, I32_1, I32_2, OUT_F64_2, helper, kernel
-from toile.remesh.plane import quality, turn
+from toile.remesh.plane import after, before, quality, turn
 
 
 def stars(corners: Int, vertex_count: int) -> tuple[Int, Int]:
@@ -28,7 +28,7 @@ def worst_quality_at(points, corners, offsets, around, v, px, py):  # type: igno
         k = 0
         while corners[t, k] != v:
             k += 1
-        b, c = corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
+        b, c = corners[t, after(k)], corners[t, before(k)]
         worst = min(worst, quality(px, py, points[b, 0], points[b, 1], points[c, 0], points[c, 1]))
     return worst
 

@@ -8,7 +8,7 @@ from numba import types
 
 from toile.geometry.kernel import F64_2, OUT_I32_2, helper, kernel
 from toile.remesh.delaunay_flip import flip
-from toile.remesh.plane import turn
+from toile.remesh.plane import after, before, turn
 
 
 @helper
@@ -33,7 +33,7 @@ def split_ears(points, corners, across, border_count, sharpest):  # type: ignore
         k = ear_corner(across, t)
         if k < 0:
             continue
-        a, b, c = corners[t, k], corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
+        a, b, c = corners[t, k], corners[t, after(k)], corners[t, before(k)]
         u = across[t, k]
         j = 0
         while across[u, j] != t:
