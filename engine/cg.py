@@ -50,19 +50,24 @@ def solve(
     ------
     FloatingPointError : a non-finite number turned up, or A is not positive definite.
     """
-    residual = np.array(right_hand_side, dtype=np.float64, order="C")
-    _zero_pinned(system.pinned, residual)
-    direction = np.empty_like(residual)
-    product = np.empty_like(residual)
-    solution = np.zeros_like(residual)
+    load = np.array(right_hand_side, dtype=np.float64, order="C")
+    _zero_pinned(system.pinned, load)
+    residual = load.copy()
+    solution = np.zeros_like(load)
+    direction = np.empty_like(load)
+    product = np.empty_like(load)
+    reference = _remove_exact_part(system, preconditioner, residual, solution, product)
     scaled = preconditioner.apply(residual, direction)
-    limit = tolerance * tolerance * scaled
-    reference = scaled
-    if start is not None and scaled > 0.0:
+    reference += scaled
+    limit = tolerance * tolerance * reference
+    if start is not None and reference > 0.0:
+        correction = np.zeros_like(load)
         np.copyto(solution, start)
         _zero_pinned(system.pinned, solution)
         system.apply(solution, product)
-        residual -= product
+        np.subtract(load, product, out=residual)
+        _remove_exact_part(system, preconditioner, residual, correction, product)
+        solution += correction
         scaled = preconditioner.apply(residual, direction)
     iterations = 0
     preconditioned = np.empty_like(residual)
@@ -80,6 +85,18 @@ def solve(
         raise FloatingPointError("the residual is not finite")
     ratio = math.sqrt(max(scaled, 0.0) / reference) if reference > 0.0 else 0.0
     return CgResult(solution, iterations, ratio, scaled <= limit)
+
+
+def _remove_exact_part(
+    system: LinearSystem, preconditioner: Preconditioner, residual: Float, correction: Float, product: Float
+) -> float:
+    """Write what the preconditioner solves exactly into `correction`; return its share of r . M^-1 r."""
+    if not preconditioner.correct(residual, correction):
+        return 0.0
+    share = float((residual * correction).sum())
+    system.apply(correction, product)
+    residual -= product
+    return share
 
 
 @kernel(types.void(BOOL_1, OUT_F64_2))

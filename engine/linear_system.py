@@ -153,8 +153,18 @@ class LinearSystem:
             x,
             product,
         )
-        if len(self.contacts.nodes):
-            energy += _multiply_contacts(*self.contacts, x, product)
+        if self.has_distant_contacts:
+            energy += self.add_distant_contacts(x, product)
+        return energy
+
+    @property
+    def has_distant_contacts(self) -> bool:
+        """Whether some contacts do not fit the pattern."""
+        return len(self.contacts.nodes) > 0
+
+    def add_distant_contacts(self, x: Float, product: Float) -> float:
+        """Add the part of A x from contacts outside the pattern to `product`; return its x . A x."""
+        energy: float = _multiply_contacts(*self.contacts, x, product)
         return energy
 
     def diagonal_blocks(self) -> Float:

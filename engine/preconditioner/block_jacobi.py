@@ -24,6 +24,10 @@ class BlockJacobi:
         product: float = _multiply_diagonal(self._inverses, residual, out)
         return product
 
+    def correct(self, residual: Float, correction: Float) -> bool:
+        """Return False: no part is solved exactly."""
+        return False
+
 
 @kernel(types.void(OUT_F64_3))
 def invert_blocks(blocks: Float) -> None:

@@ -5,16 +5,25 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
 from toile.engine.assembly import BlockPattern, scatter_hessians, to_dense
 from toile.engine.cg import solve
 from toile.engine.linear_system import ContactStencils, LinearSystem
+from toile.engine.preconditioner.aggregates import aggregate_nodes
+from toile.engine.preconditioner.band_cholesky import factorise, substitute
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.block_jacobi import BlockJacobi
+from toile.engine.preconditioner.gauss_seidel import SymmetricGaussSeidel
+from toile.engine.preconditioner.two_level import TwoLevel
 from toile.geometry.arrays import Bool, Float
 
-PRECONDITIONERS: list[Callable[[], Preconditioner]] = [BlockJacobi]
+PRECONDITIONERS: dict[str, Callable[[LinearSystem], Preconditioner]] = {
+    "block_jacobi": lambda system: BlockJacobi(),
+    "gauss_seidel": lambda system: SymmetricGaussSeidel(system.pattern),
+    "two_level": lambda system: TwoLevel(system, group_size=20),
+}
 
 
 class StiffCloth:
@@ -86,22 +95,31 @@ def cloth() -> StiffCloth:
     return StiffCloth()
 
 
-@pytest.fixture(params=PRECONDITIONERS, ids=lambda make: make.__name__)
+@pytest.fixture(params=list(PRECONDITIONERS))
 def preconditioner(request: pytest.FixtureRequest, cloth: StiffCloth) -> Preconditioner:
-    made: Preconditioner = request.param()
+    made = PRECONDITIONERS[request.param](cloth.system)
     made.update(cloth.system, cloth.positions)
     return made
 
 
-def as_matrix(preconditioner: Preconditioner, count: int) -> Float:
-    columns = np.zeros((3 * count, 3 * count))
-    out = np.empty((count, 3))
-    for k in range(3 * count):
-        unit = np.zeros(3 * count)
-        unit[k] = 1.0
-        preconditioner.apply(unit.reshape(-1, 3), out)
+def as_matrix(preconditioner: Preconditioner, residuals: Float) -> Float:
+    """Apply the preconditioner to each column."""
+    columns = np.zeros_like(residuals)
+    out = np.empty((len(residuals) // 3, 3))
+    for k in range(residuals.shape[1]):
+        preconditioner.apply(np.ascontiguousarray(residuals[:, k]).reshape(-1, 3), out)
         columns[:, k] = out.ravel()
     return columns
+
+
+def corrected_residuals(preconditioner: Preconditioner, matrix: Float) -> Float:
+    """Columns: every unit residual, less what the preconditioner solves exactly."""
+    residuals = np.eye(len(matrix))
+    correction = np.zeros((len(matrix) // 3, 3))
+    for k in range(len(matrix)):
+        if preconditioner.correct(residuals[:, k].reshape(-1, 3).copy(), correction):
+            residuals[:, k] -= matrix @ correction.ravel()
+    return residuals
 
 
 def test_solution_equals_direct_solver(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
@@ -160,12 +178,71 @@ def test_indefinite_matrix_is_an_error(cloth: StiffCloth) -> None:
 
 def test_preconditioner_is_symmetric_positive_definite() -> None:
     cloth = StiffCloth(120)
-    for make in PRECONDITIONERS:
-        made = make()
+    for make in PRECONDITIONERS.values():
+        made = make(cloth.system)
         made.update(cloth.system, cloth.positions)
-        inverse = as_matrix(made, 120)
-        np.testing.assert_allclose(inverse, inverse.T, atol=1e-9 * np.abs(inverse).max())
-        assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T)).min() > 0.0
+        residuals = corrected_residuals(made, cloth.matrix())
+        form = residuals.T @ as_matrix(made, residuals)
+        scale = np.abs(form).max()
+        np.testing.assert_allclose(form, form.T, atol=1e-6 * scale)
+        values = np.linalg.eigvalsh(0.5 * (form + form.T))
+        rank = np.linalg.matrix_rank(residuals, tol=1e-5)
+        assert values.min() > -1e-9 * scale
+        assert (values > 1e-9 * scale).sum() >= rank - 1
+
+
+def test_rigid_motions_of_a_group_are_solved_exactly(cloth: StiffCloth) -> None:
+    two_level = TwoLevel(cloth.system, group_size=20)
+    two_level.update(cloth.system, cloth.positions)
+    correction = np.empty_like(cloth.right_hand_side)
+    assert two_level.correct(cloth.right_hand_side, correction)
+    product = np.empty_like(correction)
+    cloth.system.apply(correction, product)
+    again = np.empty_like(correction)
+    two_level.correct(cloth.right_hand_side - product, again)
+    assert np.abs(again).max() < 1e-5 * np.abs(correction).max()
+
+
+def test_band_factor_equals_dense_cholesky() -> None:
+    rng = np.random.default_rng(2)
+    size, width = 42, 18
+    root = np.tril(np.triu(rng.normal(size=(size, size)), -width + 1)) + 5.0 * np.eye(size)
+    block = np.arange(size) // 6
+    root[np.abs(block[:, None] - block) > width // 6 - 1] = 0.0
+    matrix = root @ root.T
+    band = np.zeros((size, width))
+    for column in range(size):
+        for row in range(column, min(size, column - column % 6 + width)):
+            band[column, row - column] = matrix[row, column]
+    assert factorise(band) == -1
+    exact = np.linalg.cholesky(matrix)
+    for column in range(size):
+        rows = np.arange(column, min(size, column - column % 6 + width))
+        np.testing.assert_allclose(band[column, rows - column], exact[rows, column], atol=1e-11)
+    vector = rng.normal(size=size)
+    solution = vector.copy()
+    substitute(band, solution)
+    np.testing.assert_allclose(matrix @ solution, vector, atol=1e-10)
+    assert factorise(-np.ones((6, 6))) == 0
+
+
+def test_groups_are_connected_and_of_bounded_size(cloth: StiffCloth) -> None:
+    pattern = cloth.pattern
+    group = aggregate_nodes(pattern.indptr, pattern.indices, 20)
+    sizes = np.bincount(group)
+    assert sizes.min() >= 1
+    assert sizes.max() <= 60
+    assert 500 / 20 * 0.7 < len(sizes) < 500 / 20 * 2.5
+    graph = csr_array((np.ones(pattern.slot_count), pattern.indices, pattern.indptr), shape=(500, 500))
+    for g in range(len(sizes)):
+        nodes = np.flatnonzero(group == g)
+        assert connected_components(graph[nodes][:, nodes])[0] == 1
+
+
+def test_groups_of_separate_pieces_do_not_mix() -> None:
+    pattern = BlockPattern(9, [np.array([[0, 1, 2], [3, 4, 5], [6, 7, 8]], np.int32)])
+    group = aggregate_nodes(pattern.indptr, pattern.indices, 20)
+    np.testing.assert_array_equal(group, [0, 0, 0, 1, 1, 1, 2, 2, 2])
 
 
 def test_apply_returns_the_inner_product(cloth: StiffCloth, preconditioner: Preconditioner) -> None:

@@ -1,0 +1,352 @@
+"""Coarse space of rigid motions: each group of nodes translates and rotates as one body.
+
+Z_i = [I3, -[d_i]x] maps the six motions of a group (translation [m], rotation about its centre [rad]) to
+node i, which lies d_i from the centre. Z^T A Z is block sparse like the graph of groups; its banded Cholesky
+factor (reverse Cuthill-McKee order) is cheap enough to be made anew for every system.
+"""
+
+import numpy as np
+from numba import types
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from toile.engine.linear_system import LinearSystem
+from toile.engine.preconditioner.aggregates import aggregate_nodes
+from toile.engine.preconditioner.band_cholesky import factorise, substitute
+from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_1,
+    F64_2,
+    F64_3,
+    I32_1,
+    I32_2,
+    OUT_F64_1,
+    OUT_F64_2,
+    OUT_F64_3,
+    kernel,
+)
+
+REGULARISATION = 1e-8
+"""Relative increase of the coarse diagonal: a group of one or two free nodes has motions that do nothing."""
+
+
+class RigidCoarseSpace:
+    """Z, A Z and the factor of Z^T A Z; `update` refreshes them for new numbers and positions."""
+
+    def __init__(self, system: LinearSystem, group_size: int) -> None:
+        pattern = system.pattern
+        count = pattern.node_count
+        self._group: Int = aggregate_nodes(pattern.indptr, pattern.indices, group_size)
+        self.group_count = int(self._group.max(initial=-1)) + 1
+        rows = np.repeat(np.arange(count), np.diff(pattern.indptr))
+        outer_rows = np.repeat(np.arange(count), np.diff(system.outer_indptr))
+        keys = np.concatenate([rows, outer_rows]) * self.group_count
+        keys += self._group[np.concatenate([pattern.indices, system.outer_indices])]
+        unique, inverse = np.unique(keys, return_inverse=True)
+        slots = inverse.astype(np.int32)
+        self._slots: Int = slots[: len(rows)].copy()
+        self._outer_slots: Int = slots[len(rows) :].copy()
+        self._indices: Int = (unique % self.group_count).astype(np.int32)
+        self._indptr: Int = np.searchsorted(unique, np.arange(count + 1) * self.group_count).astype(np.int32)
+        self._product: Float = np.zeros((len(unique), 3, 6))
+        self._offsets: Float = np.zeros((count, 3))
+        node_rows = np.repeat(np.arange(count), np.diff(self._indptr))
+        pairs = np.unique(self._group[node_rows].astype(np.int64) * self.group_count + self._indices)
+        self._group_pairs = pairs
+        self._rank: Int = np.zeros(self.group_count, np.int32)
+        self._factor: Float = np.zeros((0, 0))
+
+    def update(self, system: LinearSystem, positions: Float) -> None:
+        """Follow new numbers and node positions [m], shape (node_count, 3)."""
+        sizes = np.bincount(self._group, minlength=self.group_count)
+        for axis in range(3):
+            centre = np.bincount(self._group, positions[:, axis], self.group_count) / sizes
+            self._offsets[:, axis] = positions[:, axis] - centre[self._group]
+        self._pinned = system.pinned
+        self._product[:] = 0.0
+        _multiply_motions(
+            system.pattern.indptr,
+            system.pattern.indices,
+            self._slots,
+            system.blocks,
+            system.pinned,
+            self._offsets,
+            self._product,
+        )
+        if len(system.outer_values):
+            _multiply_motions_outer(
+                system.outer_indptr,
+                system.outer_indices,
+                self._outer_slots,
+                system.outer_values,
+                system.outer_scale,
+                system.pinned,
+                self._offsets,
+                self._product,
+            )
+        self._contacts = system.contacts
+        self._factorise(self._order_groups())
+
+    def _order_groups(self) -> int:
+        """Order the groups, contacts included; return the half bandwidth in groups."""
+        pairs = self._group_pairs
+        count = self.group_count
+        nodes = self._contacts.nodes
+        if len(nodes):
+            used = np.where(nodes >= 0, self._group[nodes], self._group[nodes[:, :1]]).astype(np.int64)
+            more = (used[:, :, None] * count + used[:, None, :]).ravel()
+            pairs = np.unique(np.concatenate([pairs, more]))
+        rows, columns = pairs // count, pairs % count
+        graph = csr_array((np.ones(len(pairs)), (rows, columns)), shape=(count, count))
+        order = reverse_cuthill_mckee(graph, symmetric_mode=True)
+        self._rank[order] = np.arange(count, dtype=np.int32)
+        return int(np.abs(self._rank[rows] - self._rank[columns]).max(initial=0))
+
+    def _factorise(self, width: int) -> None:
+        band = np.zeros((6 * self.group_count, 6 * width + 6))
+        _assemble_coarse(
+            self._indptr,
+            self._indices,
+            self._group,
+            self._rank,
+            self._pinned,
+            self._offsets,
+            self._product,
+            band,
+        )
+        if len(self._contacts.nodes):
+            _assemble_coarse_contacts(*self._contacts, self._group, self._rank, self._offsets, band)
+        diagonal = band[:, 0]
+        band[:, 0] = np.where(diagonal > 0.0, diagonal * (1.0 + REGULARISATION), 1.0)
+        failed = factorise(band)
+        if failed >= 0:
+            raise FloatingPointError(f"coarse matrix is not positive definite (motion {failed})")
+        self._factor = band
+
+    def solve(self, loads: Float) -> None:
+        """Overwrite loads with the motions (Z^T A Z)^-1 loads, shape (6 group_count,)."""
+        substitute(self._factor, loads)
+
+    def restrict(self, forces: Float) -> Float:
+        """Return Z^T forces; forces [N], shape (node_count, 3)."""
+        loads = np.zeros(6 * self.group_count)
+        _restrict(self._group, self._rank, self._pinned, self._offsets, forces, loads)
+        return loads
+
+    def add_prolonged(self, motions: Float, residual: Float, out: Float) -> float:
+        """Add Z motions to the displacements `out` [m], shape (node_count, 3); return residual . out."""
+        product: float = _prolong(
+            self._group, self._rank, self._pinned, self._offsets, motions, residual, out
+        )
+        return product
+
+    def subtract_restricted_product(self, displacements: Float, loads: Float) -> None:
+        """Subtract Z^T A displacements, without the contacts outside the pattern, from `loads`."""
+        _subtract_product(self._indptr, self._indices, self._rank, self._product, displacements, loads)
+
+
+@kernel(types.void(I32_1, I32_1, I32_1, F64_3, BOOL_1, F64_2, OUT_F64_3))
+def _multiply_motions(
+    indptr: Int, indices: Int, slots: Int, blocks: Float, pinned: Bool, offsets: Float, product: Float
+) -> None:
+    for i in range(pinned.shape[0]):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if pinned[i] or pinned[j]:
+                continue
+            s = slots[k]
+            d0 = offsets[j, 0]
+            d1 = offsets[j, 1]
+            d2 = offsets[j, 2]
+            for r in range(3):
+                b0 = blocks[k, r, 0]
+                b1 = blocks[k, r, 1]
+                b2 = blocks[k, r, 2]
+                product[s, r, 0] += b0
+                product[s, r, 1] += b1
+                product[s, r, 2] += b2
+                product[s, r, 3] += d1 * b2 - d2 * b1
+                product[s, r, 4] += d2 * b0 - d0 * b2
+                product[s, r, 5] += d0 * b1 - d1 * b0
+
+
+@kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_2, OUT_F64_3))
+def _multiply_motions_outer(
+    indptr: Int,
+    indices: Int,
+    slots: Int,
+    values: Float,
+    scale: float,
+    pinned: Bool,
+    offsets: Float,
+    product: Float,
+) -> None:
+    for i in range(pinned.shape[0]):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if pinned[i] or pinned[j]:
+                continue
+            s = slots[k]
+            value = scale * values[k]
+            d0 = value * offsets[j, 0]
+            d1 = value * offsets[j, 1]
+            d2 = value * offsets[j, 2]
+            product[s, 0, 0] += value
+            product[s, 1, 1] += value
+            product[s, 2, 2] += value
+            product[s, 1, 3] -= d2
+            product[s, 2, 3] += d1
+            product[s, 0, 4] += d2
+            product[s, 2, 4] -= d0
+            product[s, 0, 5] -= d1
+            product[s, 1, 5] += d0
+
+
+@kernel(types.void(I32_1, I32_1, I32_1, I32_1, BOOL_1, F64_2, F64_3, OUT_F64_2))
+def _assemble_coarse(
+    indptr: Int,
+    indices: Int,
+    group: Int,
+    rank: Int,
+    pinned: Bool,
+    offsets: Float,
+    product: Float,
+    band: Float,
+) -> None:
+    """Add Z^T (A Z) to the lower band: entry (row, column) is band[column, row - column]."""
+    for i in range(pinned.shape[0]):
+        if pinned[i]:
+            continue
+        row = 6 * rank[group[i]]
+        d0 = offsets[i, 0]
+        d1 = offsets[i, 1]
+        d2 = offsets[i, 2]
+        for k in range(indptr[i], indptr[i + 1]):
+            column = 6 * rank[indices[k]]
+            if column > row:
+                continue
+            for c in range(6):
+                p0 = product[k, 0, c]
+                p1 = product[k, 1, c]
+                p2 = product[k, 2, c]
+                base = row - column - c
+                at = column + c
+                if base >= 0:
+                    band[at, base] += p0
+                if base + 1 >= 0:
+                    band[at, base + 1] += p1
+                if base + 2 >= 0:
+                    band[at, base + 2] += p2
+                if base + 3 >= 0:
+                    band[at, base + 3] += d1 * p2 - d2 * p1
+                if base + 4 >= 0:
+                    band[at, base + 4] += d2 * p0 - d0 * p2
+                if base + 5 >= 0:
+                    band[at, base + 5] += d0 * p1 - d1 * p0
+
+
+@kernel(types.void(I32_2, F64_2, F64_3, I32_1, I32_1, F64_2, OUT_F64_2))
+def _assemble_coarse_contacts(
+    nodes: Int, weights: Float, stiffness: Float, group: Int, rank: Int, offsets: Float, band: Float
+) -> None:
+    """Add Z^T w w^T x K Z to the lower band, one contact at a time."""
+    bodies = np.empty(4, np.int64)
+    motion = np.zeros((4, 3, 6))
+    force = np.zeros((3, 6))
+    for contact in range(nodes.shape[0]):
+        count = 0
+        for a in range(4):
+            i = nodes[contact, a]
+            if i < 0:
+                continue
+            body = 6 * rank[group[i]]
+            m = 0
+            while m < count and bodies[m] != body:
+                m += 1
+            if m == count:
+                bodies[m] = body
+                count += 1
+                for r in range(3):
+                    for c in range(6):
+                        motion[m, r, c] = 0.0
+            weight = weights[contact, a]
+            d0 = weight * offsets[i, 0]
+            d1 = weight * offsets[i, 1]
+            d2 = weight * offsets[i, 2]
+            motion[m, 0, 0] += weight
+            motion[m, 1, 1] += weight
+            motion[m, 2, 2] += weight
+            motion[m, 1, 3] -= d2
+            motion[m, 2, 3] += d1
+            motion[m, 0, 4] += d2
+            motion[m, 2, 4] -= d0
+            motion[m, 0, 5] -= d1
+            motion[m, 1, 5] += d0
+        for n in range(count):
+            for r in range(3):
+                for c in range(6):
+                    force[r, c] = (
+                        stiffness[contact, r, 0] * motion[n, 0, c]
+                        + stiffness[contact, r, 1] * motion[n, 1, c]
+                        + stiffness[contact, r, 2] * motion[n, 2, c]
+                    )
+            for m in range(count):
+                for r in range(6):
+                    for c in range(6):
+                        below = bodies[m] + r - bodies[n] - c
+                        if below >= 0:
+                            band[bodies[n] + c, below] += (
+                                motion[m, 0, r] * force[0, c]
+                                + motion[m, 1, r] * force[1, c]
+                                + motion[m, 2, r] * force[2, c]
+                            )
+
+
+@kernel(types.void(I32_1, I32_1, BOOL_1, F64_2, F64_2, OUT_F64_1))
+def _restrict(group: Int, rank: Int, pinned: Bool, offsets: Float, forces: Float, loads: Float) -> None:
+    for i in range(pinned.shape[0]):
+        if pinned[i]:
+            continue
+        at = 6 * rank[group[i]]
+        f0 = forces[i, 0]
+        f1 = forces[i, 1]
+        f2 = forces[i, 2]
+        loads[at] += f0
+        loads[at + 1] += f1
+        loads[at + 2] += f2
+        loads[at + 3] += offsets[i, 1] * f2 - offsets[i, 2] * f1
+        loads[at + 4] += offsets[i, 2] * f0 - offsets[i, 0] * f2
+        loads[at + 5] += offsets[i, 0] * f1 - offsets[i, 1] * f0
+
+
+@kernel(types.float64(I32_1, I32_1, BOOL_1, F64_2, F64_1, F64_2, OUT_F64_2))
+def _prolong(
+    group: Int, rank: Int, pinned: Bool, offsets: Float, motions: Float, residual: Float, out: Float
+) -> float:
+    product = 0.0
+    for i in range(pinned.shape[0]):
+        if not pinned[i]:
+            at = 6 * rank[group[i]]
+            d0 = offsets[i, 0]
+            d1 = offsets[i, 1]
+            d2 = offsets[i, 2]
+            out[i, 0] += motions[at] + motions[at + 4] * d2 - motions[at + 5] * d1
+            out[i, 1] += motions[at + 1] + motions[at + 5] * d0 - motions[at + 3] * d2
+            out[i, 2] += motions[at + 2] + motions[at + 3] * d1 - motions[at + 4] * d0
+        product += residual[i, 0] * out[i, 0] + residual[i, 1] * out[i, 1] + residual[i, 2] * out[i, 2]
+    return product
+
+
+@kernel(types.void(I32_1, I32_1, I32_1, F64_3, F64_2, OUT_F64_1))
+def _subtract_product(
+    indptr: Int, indices: Int, rank: Int, product: Float, displacements: Float, loads: Float
+) -> None:
+    for i in range(displacements.shape[0]):
+        x0 = displacements[i, 0]
+        x1 = displacements[i, 1]
+        x2 = displacements[i, 2]
+        for k in range(indptr[i], indptr[i + 1]):
+            at = 6 * rank[indices[k]]
+            for c in range(6):
+                loads[at + c] -= product[k, 0, c] * x0 + product[k, 1, c] * x1 + product[k, 2, c] * x2
