@@ -73,7 +73,7 @@ def _fit(
         basis[i, 0], basis[i, 1], basis[i, 2] = 1.0, a, b
         basis[i, 3], basis[i, 4], basis[i, 5] = 0.5 * a * a, a * b, 0.5 * b * b
         weights[i] = 0.0
-    rounds = 4 if ridge < 1e-6 else 1
+    rounds = 4 if ridge < 1e-6 else 2
     for _ in range(rounds):
         for q in range(6):
             total = 1.0 if q == 2 else 0.0
@@ -265,7 +265,8 @@ def slope_stencils(
             for m in range(first, last):
                 for k in range(3):
                     other = neighbours[members[m], k]
-                    if other < 0 or member_count >= MAX_FACES:
+                    # curvature jumps where a clamp ends: nodes behind it say nothing about the cloth
+                    if other < 0 or rigid[other] or member_count >= MAX_FACES:
                         continue
                     known = False
                     for q in range(member_count):

@@ -150,16 +150,33 @@ class Bending:
         return 0.5 * float(np.einsum("tai,tab,tbi->", bent, self.rigidity, bent))
 
     def gradient(self, x: Float) -> Float:
-        """Gradient of the energy [N], shape (n, 3).
-
-        Of curved rest shapes, the turning of the rest curvature with the face is left out: it is exact at
-        rest and under rigid motion, and its derivative would be neither quadratic nor positive.
-        """
-        forces = np.asarray(self.stiffness @ x)
+        """Gradient of the energy [N], shape (n, 3)."""
+        forces: Float = np.asarray(self.stiffness @ x)
         if self._rest is not None:
-            moments = np.einsum("tab,tbi->tai", self.rigidity, self._rest_derivatives(x))
-            forces = forces - self.second_derivatives.T @ moments.reshape(-1, 3)
+            rest = self._rest_derivatives(x)
+            moments = np.einsum("tab,tbi->tai", self.rigidity, rest)
+            forces -= self.second_derivatives.T @ moments.reshape(-1, 3)
+            self._add_turning(x, np.cross(self._derivatives(x), moments).sum(axis=1), forces)
         return forces
+
+    def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
+        """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on the frame of each face.
+
+        Moving a corner out of the plane by d turns the frame by d / (2 area) times the opposite side; moving
+        the ends of the first edge across it, in the plane, turns the frame about the normal.
+        """
+        corners = x[self.faces]
+        sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
+        frames = face_frames(x, self.faces)
+        twice_area = np.maximum(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1), 1e-300)
+        out_of_plane = np.einsum("ti,tai->ta", torque, sides) / twice_area[:, None]
+        element = out_of_plane[:, :, None] * frames[:, None, :, 2]
+        length = np.maximum(np.linalg.norm(sides[:, 2], axis=1), 1e-300)
+        about_normal = np.einsum("ti,ti->t", torque, frames[:, :, 2]) / length
+        element[:, 1] += about_normal[:, None] * frames[:, :, 1]
+        element[:, 0] -= about_normal[:, None] * frames[:, :, 1]
+        for axis in range(3):
+            forces[:, axis] += np.bincount(self.faces.ravel(), element[:, :, axis].ravel(), len(x))
 
     def curvature(self, x: Float) -> Float:
         """Return curvatures (uu, vv, uv) of each face along its normal [1/m], shape (t, 3)."""

@@ -53,14 +53,17 @@ def random_delaunay(length: float, width: float, edge: float, seed: int = 1) -> 
             np.column_stack((np.full(ny - 1, length), y[1:-1])),
         )
     )
-    kept = list(border)
+    kept = np.empty((len(border) + 60 * nx * ny, 2))
+    kept[: len(border)] = border
+    count = len(border)
     for candidate in generator.uniform(size=(60 * nx * ny, 2)) * (length, width):
         margin = min(candidate[0], length - candidate[0], candidate[1], width - candidate[1])
         if margin < 0.45 * edge:
             continue
-        if np.min(np.sum((np.asarray(kept) - candidate) ** 2, axis=1)) > (0.7 * edge) ** 2:
-            kept.append(candidate)
-    points = np.asarray(kept)
+        if np.min(np.sum((kept[:count] - candidate) ** 2, axis=1)) > (0.7 * edge) ** 2:
+            kept[count] = candidate
+            count += 1
+    points = kept[:count].copy()
     return points, _triangulated(points)
 
 
