@@ -10,7 +10,7 @@ import toile
 from toile.dress.mesh_garment import garment_from_surface
 from toile.dress.surface import Surface
 
-QUIET = toile.Avatar(
+PYRAMID = toile.Avatar(
     name="tetrahedron",
     vertices=np.array([[-0.3, 0.0, -0.3], [0.3, 0.0, -0.3], [0.0, 0.0, 0.4], [0.0, 1.7, 0.0]]),
     faces=np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]], dtype=np.int32),
@@ -35,7 +35,7 @@ def square(size: float = 0.5) -> toile.GarmentMesh:
 
 
 def scene(**options: Any) -> toile.Scene:
-    return toile.Scene(avatar=QUIET, garments=[toile.Garment(square())], **options)
+    return toile.Scene(avatar=PYRAMID, garments=[toile.Garment(square())], **options)
 
 
 def test_nothing_is_written_without_an_output_folder(
@@ -80,7 +80,7 @@ def test_fabric_of_garment_scene_and_default(fake_drape: Callable[..., Any]) -> 
     fake = fake_drape()
     own = toile.fabric("canvas")
     garments = [toile.Garment(square(), fabric=own), toile.Garment(square(0.4))]
-    toile.dress(toile.Scene(avatar=QUIET, garments=garments, fabric="ponte-roma"))
+    toile.dress(toile.Scene(avatar=PYRAMID, garments=garments, fabric="ponte-roma"))
     toile.dress(scene())
     names = [[fabric.name for _, fabric in call[1]] for call in fake.calls]
     assert names == [["canvas", "ponte-roma"], ["cotton-poplin"]]
