@@ -160,7 +160,7 @@ class Bending:
         return forces
 
     def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
-        """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on the frame of each face.
+        """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on each face.
 
         Moving a corner out of the plane by d turns the frame by d / (2 area) times the opposite side; moving
         the ends of the first edge across it, in the plane, turns the frame about the normal.

@@ -63,7 +63,7 @@ def equilibrium(
     constant = sp.kron(bending.stiffness, sp.eye(3)).tocsc()
     result = []
     for gamma in gammas:
-        weight: Float = gamma * node_area
+        weight: Float = np.asarray(gamma * node_area, np.float64)
 
         def energy(y: Float, weight: Float = weight) -> float:
             return membrane.energy(y) + bending.energy(y) + float(weight @ y[:, 1])
