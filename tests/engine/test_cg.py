@@ -15,6 +15,7 @@ from toile.engine.preconditioner.aggregates import aggregate_nodes
 from toile.engine.preconditioner.band_cholesky import factorise, substitute
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.block_jacobi import BlockJacobi
+from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.preconditioner.gauss_seidel import SymmetricGaussSeidel
 from toile.engine.preconditioner.two_level import TwoLevel
 from toile.geometry.arrays import Bool, Float
@@ -249,3 +250,8 @@ def test_apply_returns_the_inner_product(cloth: StiffCloth, preconditioner: Prec
     out = np.empty_like(cloth.right_hand_side)
     product = preconditioner.apply(cloth.right_hand_side, out)
     assert product == pytest.approx(float((cloth.right_hand_side * out).sum()), rel=1e-12)
+
+
+def test_small_systems_get_block_jacobi_and_large_ones_two_levels(cloth: StiffCloth) -> None:
+    assert isinstance(make_preconditioner(cloth.system), TwoLevel)
+    assert isinstance(make_preconditioner(StiffCloth(60).system), BlockJacobi)
