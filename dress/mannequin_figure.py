@@ -59,7 +59,7 @@ LEG = np.array(
 # distance from the shoulder joint along the arm, half thickness in the arm's plane, half width in z, centre z
 ARM = np.array(
     [
-        (-0.060, 0.0060, 0.0150, -0.006),
+        (-0.060, 0.0070, 0.0150, -0.006),
         (-0.040, 0.0130, 0.0220, -0.006),
         (-0.020, 0.0210, 0.0290, -0.006),
         (0.000, 0.0275, 0.0335, -0.006),
@@ -74,23 +74,23 @@ ARM = np.array(
         (0.330, 0.0140, 0.0205, 0.008),
         (0.355, 0.0140, 0.0245, 0.010),
         (0.380, 0.0120, 0.0240, 0.010),
-        (0.400, 0.0100, 0.0205, 0.010),
-        (0.413, 0.0080, 0.0150, 0.010),
-        (0.420, 0.0050, 0.0090, 0.010),
+        (0.398, 0.0105, 0.0205, 0.010),
+        (0.408, 0.0090, 0.0165, 0.010),
+        (0.415, 0.0075, 0.0115, 0.010),
     ]
 )
 # distance from the ankle along the foot, half width, top y
 FOOT = np.array(
     [
-        (-0.052, 0.0100, 0.018),
-        (-0.045, 0.0170, 0.034),
+        (-0.048, 0.0130, 0.024),
+        (-0.042, 0.0175, 0.038),
         (-0.025, 0.0205, 0.050),
         (0.000, 0.0220, 0.052),
         (0.030, 0.0260, 0.042),
         (0.060, 0.0300, 0.030),
         (0.080, 0.0290, 0.022),
-        (0.095, 0.0220, 0.016),
-        (0.103, 0.0120, 0.011),
+        (0.090, 0.0240, 0.019),
+        (0.097, 0.0160, 0.016),
     ]
 )
 CRANIUM = ((0.0, 0.934, 0.014), (0.0475, 0.066, 0.060))
@@ -105,6 +105,8 @@ THUMB = ((0.322, 0.016), (0.362, 0.042), 0.0085)
 """Thumb: (along the arm, z) of root and tip, and its radius."""
 TOE_OUT = np.radians(9.0)
 """Feet point outward by this angle [rad]."""
+FOOT_ROUNDING, HAND_ROUNDING = 0.007, 0.005
+"""Radii of the edges of soles, toes and fingertips: sharper ones would be meshed by slivers."""
 CROTCH = 0.463
 """Level at which the trunk ends between the legs."""
 LEG_GAP = 1.19
@@ -226,13 +228,16 @@ def _foot(x: Float, y: Float, z: Float, build: Build) -> Float:
 
     def radial(at: Float) -> Float:
         width, top = profile(at).T
-        return _section_distance(across, y - 0.25 * top, width, 0.75 * top, 2.3)
+        # Everything is smaller by the rounding, which is added again at the end.
+        return _section_distance(
+            across, y - 0.25 * top, width - FOOT_ROUNDING, 0.75 * top - FOOT_ROUNDING, 2.3
+        )
 
     step = 1e-3
     at = np.clip(along, low, high - step)
     beyond = np.maximum(np.maximum(low - along, along - high), 0.0)
     distance = _lofted(radial(at), radial(at + step), beyond, step)
-    return -_smooth_min(-distance, y, 0.014)
+    return -_smooth_min(-distance, y - FOOT_ROUNDING, 0.010) - FOOT_ROUNDING
 
 
 def _arm(x: Float, y: Float, z: Float, build: Build) -> Float:
@@ -249,12 +254,14 @@ def _arm(x: Float, y: Float, z: Float, build: Build) -> Float:
         thick, wide, centre = profile(at).T
         share = np.clip(1.0 - at / 0.30, 0.0, 1.0)
         factor = 1.0 + (build.chest - 1.0) * (0.15 + 0.35 * share)
-        return _section_distance(across, z - centre, thick * factor, wide * factor, 2.1)
+        return _section_distance(
+            across, z - centre, thick * factor - HAND_ROUNDING, wide * factor - HAND_ROUNDING, 2.1
+        )
 
     step = 1e-3
     at = np.clip(along, low, high - step)
     beyond = np.maximum(np.maximum(low - along, along - high), 0.0)
-    arm = _lofted(radial(at), radial(at + step), beyond, step)
+    arm = _lofted(radial(at), radial(at + step), beyond, step) - HAND_ROUNDING
     (root, root_z), (tip, tip_z), radius = THUMB
     share = np.clip(
         ((along - root) * (tip - root) + (z - root_z) * (tip_z - root_z))
