@@ -68,7 +68,8 @@ def bending_patches(
     exact on quadratics.
 
     A `rigid` face (t,), one whose nodes are all held, prescribes the slopes at its sides: those of its own
-    plane. So the line where a clamp ends is exactly the last held side.
+    plane. So the line where a clamp ends is exactly the last held side. A face without area has no
+    derivatives.
     """
     face_count = len(faces)
     neighbours, neighbour_sides = topology.neighbours, topology.neighbour_sides
@@ -102,7 +103,8 @@ def bending_patches(
     n_u, n_v = turn * t_v, -turn * t_u
     across = np.stack((n_u * n_u, n_v * n_v, n_u * n_v), axis=1)
     along = np.stack((t_u * n_u, t_v * n_v, 0.5 * (t_u * n_v + t_v * n_u)), axis=1)
-    per_area = 1.0 / np.maximum(area, 1e-300)
+    solid = area > 1e-9 * length.max(axis=1) ** 2
+    per_area = np.divide(1.0, area, out=np.zeros(face_count), where=solid)
     slope_values = across * (side_signs * length * per_area[:, None])[:, None, :]
     # the difference of the end values of side k, spread on the corners: corner k+2 gets +, corner k+1 gets -
     corner_values = (along[:, :, [1, 2, 0]] - along[:, :, [2, 0, 1]]) * per_area[:, None, None]

@@ -11,6 +11,8 @@ from toile.geometry.kernel import BOOL_1, F64_3, I32_2, OUT_F64_2, OUT_I32_1, OU
 MAX_NODES = 48
 MAX_FACES = 64
 MAX_RINGS = 4
+FLATTEST = 1e-6
+"""Least height of a triangle, per length of the side below it: keeps a face without area finite."""
 AMPLIFICATION_LIMIT = 8.0
 """Largest accepted sum of |weights| times the hinge's height (the four-node formula has 1 to 2)."""
 EXACTNESS = 1e-9
@@ -138,7 +140,8 @@ def _apex(rest: Float, face: int, side: int) -> tuple[float, float, float]:
     length = max(sqrt(ex * ex + ey * ey), 1e-300)
     px = rest[face, side, 0] - 0.5 * (rest[face, a, 0] + rest[face, b, 0])
     py = rest[face, side, 1] - 0.5 * (rest[face, a, 1] + rest[face, b, 1])
-    return length, (px * ex + py * ey) / length, abs(ex * py - ey * px) / length
+    height = max(abs(ex * py - ey * px) / length, FLATTEST * length)
+    return length, (px * ex + py * ey) / length, height
 
 
 @helper

@@ -121,3 +121,14 @@ def test_a_held_face_prescribes_the_slope_of_its_plane() -> None:
         a, b = points[faces[7, (side + 1) % 3]], points[faces[7, (side + 2) % 3]]
         normal = np.array([b[1] - a[1], a[0] - b[0]]) / np.linalg.norm(b - a)
         assert (row @ points)[0] * patches.side_signs[7, side] == pytest.approx(normal, abs=1e-10)
+
+
+def test_a_face_without_area_disturbs_nothing() -> None:
+    points, faces = mesh("right", 1.0, 1.0, 0.25)
+    rest = np.ascontiguousarray(points[faces])
+    rest[5] = rest[5, :1]
+    rest[9, 2] = 0.5 * (rest[9, 0] + rest[9, 1])
+    derivatives = patches_of(points, faces, rest).second_derivatives
+    assert np.isfinite(derivatives.data).all()
+    assert np.abs(derivatives @ np.ones(len(points))).max() < 1e-3
+    assert not derivatives[15:18].nnz or np.abs(derivatives[15:18].toarray()).max() == 0.0
