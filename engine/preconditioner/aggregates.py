@@ -28,7 +28,8 @@ def aggregate_nodes(indptr: Int, indices: Int, size: int, *, rounds: int = 3) ->
 def _grow(indptr: Int, indices: Int, size: int, group: Int) -> int:
     """Grow groups one after the other; the next seed is the oldest free neighbour of those before."""
     count = group.shape[0]
-    group[:] = -1
+    for i in range(count):
+        group[i] = -1
     queue = np.empty(count, np.int32)
     front = np.empty(count, np.int32)
     in_front = np.zeros(count, np.bool_)
@@ -119,13 +120,14 @@ def _regrow_from_centres(indptr: Int, indices: Int, groups: int, group: Int) -> 
                 reached[j] = True
                 queue[tail] = j
                 tail += 1
-    centres = np.full(groups, -1, np.int32)
+    centres = np.zeros(groups, np.int32)
     for i in range(count - 1, -1, -1):
         if not reached[i]:  # a connected part of the graph that is one group
             centres[group[i]] = i
     for q in range(tail):
         centres[group[queue[q]]] = queue[q]
-    group[:] = -1
+    for i in range(count):
+        group[i] = -1
     for g in range(groups):
         group[centres[g]] = g
         queue[g] = centres[g]
