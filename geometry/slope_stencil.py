@@ -247,23 +247,31 @@ def slope_stencils(
             scale_n = 0.5 * (height + far_height)
         count = _add_node(faces[face, a], -half, 0.0, 1.0, 0, nodes[h], s, n, ring_weights)
         count = _add_node(faces[face, b], half, 0.0, 1.0, count, nodes[h], s, n, ring_weights)
-        for m in range(member_count):
-            for c in range(3):
-                count = _add_node(
-                    faces[members[m], c],
-                    placed[m, c, 0],
-                    placed[m, c, 1],
-                    1.0,
+        ring, ring_weight, ridge = 0, 1.0, RIDGE
+        first, added = 0, 0
+        while True:
+            for m in range(added, member_count):
+                for c in range(3):
+                    node, s_c, n_c = faces[members[m], c], placed[m, c, 0], placed[m, c, 1]
+                    count = _add_node(node, s_c, n_c, ring_weight, count, nodes[h], s, n, ring_weights)
+            added = member_count
+            if ring > 0 and (count >= 6 or ridge == LAST_RIDGE):
+                amplification, misfit = _fit(
                     count,
-                    nodes[h],
                     s,
                     n,
                     ring_weights,
+                    half,
+                    scale_n,
+                    ridge,
+                    basis,
+                    matrix,
+                    residual,
+                    update,
+                    weights[h],
                 )
-        ring_weight, first = 1.0, 0
-        found = False
-        for _ in range(MAX_RINGS):
-            ring_weight *= RING_WEIGHT
+                if ridge == LAST_RIDGE or (amplification < AMPLIFICATION_LIMIT and misfit < EXACTNESS):
+                    break
             last = member_count
             for m in range(first, last):
                 for k in range(3):
@@ -274,57 +282,14 @@ def slope_stencils(
                     known = False
                     for q in range(member_count):
                         known = known or members[q] == other
-                    if known:
-                        continue
-                    other_side = neighbour_sides[members[m], k]
-                    _unfold(faces, rest, other, other_side, placed, member_count, m, k, members[m])
-                    members[member_count] = other
-                    count = _add_node(
-                        faces[other, other_side],
-                        placed[member_count, other_side, 0],
-                        placed[member_count, other_side, 1],
-                        ring_weight,
-                        count,
-                        nodes[h],
-                        s,
-                        n,
-                        ring_weights,
-                    )
-                    member_count += 1
+                    if not known:
+                        other_side = neighbour_sides[members[m], k]
+                        _unfold(faces, rest, other, other_side, placed, member_count, m, k, members[m])
+                        members[member_count] = other
+                        member_count += 1
             first = last
-            if count >= 6:
-                amplification, misfit = _fit(
-                    count,
-                    s,
-                    n,
-                    ring_weights,
-                    half,
-                    scale_n,
-                    RIDGE,
-                    basis,
-                    matrix,
-                    residual,
-                    update,
-                    weights[h],
-                )
-                if amplification < AMPLIFICATION_LIMIT and misfit < EXACTNESS:
-                    found = True
-                    break
-            if first == member_count:
-                break
-        if not found:
-            _fit(
-                count,
-                s,
-                n,
-                ring_weights,
-                half,
-                scale_n,
-                LAST_RIDGE,
-                basis,
-                matrix,
-                residual,
-                update,
-                weights[h],
-            )
+            ring += 1
+            ring_weight *= RING_WEIGHT
+            if ring > MAX_RINGS or member_count == last:
+                ridge = LAST_RIDGE
         counts[h] = count

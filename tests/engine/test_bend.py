@@ -1,9 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from tests.engine.meshes import KINDS, mesh
+from toile.engine.cloth import Cloth
+from toile.engine.fabric import Fabric
 from toile.engine.forces.bend import Bending, bending_tensor
 from toile.geometry.arrays import Float, Int
 
@@ -147,3 +151,29 @@ def unrolled_corners(shape: Float, faces: Int) -> Float:
     rest[:, 1, 0], rest[:, 2, 0] = length, along
     rest[:, 2, 1] = np.sqrt(np.sum(second**2, axis=1) - along**2)
     return rest
+
+
+def test_for_cloth_takes_fabrics_pins_and_rest_shapes_of_the_cloth() -> None:
+    points, faces = mesh("random", 1.0, 1.0, 0.25)
+    count = len(points)
+    thin = Fabric(
+        name="thin", areal_density=0.1, thickness=2e-4, bending_warp=2.0, bending_weft=3.0, bending_bias=2.4,
+        stretch_warp=100.0, stretch_weft=100.0, shear=10.0,
+    )  # fmt: skip
+    thick = replace(thin, name="thick", bending_warp=20.0)
+    which = (points[faces].mean(axis=1)[:, 0] > 0.5).astype(np.int32)
+    pinned = points[:, 0] < 0.3
+    start = rolled(points, 0.4, 0.5)
+    rest = unrolled_corners(start, faces)
+    cloth = Cloth(
+        positions=start, velocities=np.zeros_like(start), node=np.arange(count, dtype=np.int32), faces=faces,
+        rest_corners=rest, fabrics=(thin, thick), fabric=which, garment=np.zeros_like(which),
+        stitches=np.empty((0, 2), np.int32), seam=np.empty(0, np.int32), stitch_length=np.empty(0),
+        held=np.empty(0, np.int32), pinned=pinned, rest_curved=np.ones(len(faces), bool), start_positions=start,
+    )  # fmt: skip
+    found = Bending.for_cloth(cloth)
+    ones = np.ones(len(faces))
+    tensor = bending_tensor(np.where(which == 1, 20.0, 2.0), 3 * ones, 2.4 * ones)
+    expected = Bending(faces, rest, tensor, count, pinned=pinned, rest_positions=start)
+    assert np.array_equal(found.stiffness.toarray(), expected.stiffness.toarray())
+    assert np.abs(found.gradient(start)).max() < 1e-9
