@@ -138,11 +138,13 @@ def _apart(a, i, b, j):  # type: ignore[no-untyped-def]
     )
 
 
-@kernel(
-    types.int64(
-        F64_2, I32_1, I32_2, F64_2, F64_2, I32_1, I32_2, F64_2, types.boolean, OUT_I32_2
-    )
-)
+@helper
+def _extent(box, i):  # type: ignore[no-untyped-def]
+    """Sum of the three sides of box i."""
+    return (box[i, 3] - box[i, 0]) + (box[i, 4] - box[i, 1]) + (box[i, 5] - box[i, 2])
+
+
+@kernel(types.int64(F64_2, I32_1, I32_2, F64_2, F64_2, I32_1, I32_2, F64_2, types.boolean, OUT_I32_2))
 def _overlaps(  # type: ignore[no-untyped-def]
     boxes_a, order_a, child_a, tree_a, boxes_b, order_b, child_b, tree_b, same, pairs
 ):
@@ -185,9 +187,7 @@ def _overlaps(  # type: ignore[no-untyped-def]
             stack[depth + 2, 1] = right
             depth += 3
         else:
-            size_i = (tree_a[i, 3] - tree_a[i, 0]) + (tree_a[i, 4] - tree_a[i, 1]) + (tree_a[i, 5] - tree_a[i, 2])
-            size_j = (tree_b[j, 3] - tree_b[j, 0]) + (tree_b[j, 4] - tree_b[j, 1]) + (tree_b[j, 5] - tree_b[j, 2])
-            if leaf_j or (not leaf_i and size_i >= size_j):
+            if leaf_j or (not leaf_i and _extent(tree_a, i) >= _extent(tree_b, j)):
                 stack[depth, 0] = child_a[i, 0]
                 stack[depth, 1] = j
                 stack[depth + 1, 0] = child_a[i, 1]

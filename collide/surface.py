@@ -34,7 +34,8 @@ def surface_of(faces: Int) -> Surface:
     corners = faces.ravel()
     owns_vertex = np.zeros(corners.shape, bool)
     owns_vertex[np.unique(corners, return_index=True)[1]] = True
-    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1).astype(np.int64)
+    ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges = np.sort(ends, axis=1).astype(np.int64)
     keys = edges[:, 0] * (int(faces.max(initial=0)) + 1) + edges[:, 1]
     owns_edge = np.zeros(keys.shape, bool)
     owns_edge[np.unique(keys, return_index=True)[1]] = True

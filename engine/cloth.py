@@ -82,9 +82,9 @@ class Cloth:
 
     def lumped(self, per_face: Float) -> Float:
         """Give a third of every face's value to each of its nodes, shape (n,)."""
-        return np.bincount(
-            self.face_nodes.ravel(), weights=np.repeat(per_face / 3.0, 3), minlength=len(self.positions)
-        )
+        shares = np.repeat(per_face / 3.0, 3)
+        count = len(self.positions)
+        return np.asarray(np.bincount(self.face_nodes.ravel(), weights=shares, minlength=count), np.float64)
 
     @property
     def node_area(self) -> Float:
@@ -120,8 +120,8 @@ class Cloth:
         total = np.bincount(label, weights=mass, minlength=new_count)
 
         def mean(values: Float) -> Float:
-            columns = [np.bincount(label, weights=mass * values[:, k], minlength=new_count) / total for k in range(3)]
-            return np.ascontiguousarray(np.stack(columns, axis=1))
+            sums = [np.bincount(label, weights=mass * values[:, k], minlength=new_count) for k in range(3)]
+            return np.ascontiguousarray(np.stack(sums, axis=1) / total[:, None])
 
         rest = label[self.stitches[~closed]].astype(np.int32)
         open_ = rest[:, 0] != rest[:, 1]

@@ -20,7 +20,7 @@ def as_positions(values: npt.ArrayLike, name: str = "positions") -> Float:
 
 
 def as_faces(values: npt.ArrayLike, vertex_count: int, name: str = "faces") -> Int:
-    """Return C-contiguous int32 (n, 3) with indices in [0, vertex_count). Raises ValueError naming bad rows."""
+    """Return C-contiguous int32 (n, 3), indices in [0, vertex_count). Raises ValueError naming bad rows."""
     array = np.ascontiguousarray(values, dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name} must have shape (n, 3), got {array.shape}")
