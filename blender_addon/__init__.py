@@ -1,0 +1,1 @@
+"""The place of the Blender extension: panels and operators only, no physics."""

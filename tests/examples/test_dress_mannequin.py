@@ -1,0 +1,27 @@
+"""The example drapes: nothing crosses, and the shirt hangs where a shirt hangs."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from examples.dress_mannequin import main
+
+FEW_FRAMES = 12
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("toile.dress.drape") is None, reason="toile/dress/drape.py is not there yet"
+)
+def test_example_drapes_without_crossings(tmp_path: Path) -> None:
+    result = main(str(tmp_path), quality="preview", max_frames=FEW_FRAMES)
+
+    assert result.status in {"converged", "frame_limit"}
+    assert result.report["frames"] <= FEW_FRAMES
+    assert result.report["intersections"] == {"avatar": 0, "self": 0, "worst_frame": 0}
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj"} <= written
+    (shirt,) = result.garments
+    height = float(np.ptp(result.avatar.vertices[:, 1]))
+    assert 0.6 * height < shirt.positions[:, 1].mean() < 0.8 * height
