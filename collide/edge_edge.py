@@ -14,8 +14,9 @@ def closest_parameters(  # type: ignore[no-untyped-def]
 ):
     """Parameters (s, t) of the closest points a + s (b - a) and c + t (d - c), both in [0, 1].
 
-    Ericson, Real-Time Collision Detection, section 5.1.9, with the nearly parallel case solved at an end
-    point: there the interior formula divides by rounding noise.
+    Ericson, Real-Time Collision Detection, section 5.1.9, with the parallel case solved at an end
+    point: there the interior formula divides by rounding noise. Just above that limit s is noisy, yet
+    the edges are so parallel that the distance is off by 1e-8 edge lengths at most.
     """
     ux, uy, uz = bx - ax, by - ay, bz - az
     vx, vy, vz = dx - cx, dy - cy, dz - cz
@@ -33,7 +34,7 @@ def closest_parameters(  # type: ignore[no-untyped-def]
         return _clamp01(-uw / uu), 0.0
     det = uu * vv - uv * uv
     s = 0.0
-    if det > 1e-10 * uu * vv:
+    if det > 1e-15 * uu * vv:
         s = _clamp01((uv * vw - uw * vv) / det)
     t = (uv * s + vw) / vv
     if t < 0.0:

@@ -2,7 +2,6 @@
 
 from toile.geometry.kernel import helper
 
-
 SLIVER = 1e-6
 """Squared height over length below which the products of section 5.1.5 lose the weights to rounding."""
 FLAT = 1e-16
