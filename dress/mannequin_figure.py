@@ -177,7 +177,9 @@ def _trunk(x: Float, y: Float, z: Float, build: Build) -> Float:
     low, high = TRUNK[0, 0], TRUNK[-1, 0]
 
     def radial(level: Float) -> Float:
-        width, back, front, exponent = profile(level).T
+        # Contiguous, because numpy 1.26 takes powers of strided arrays in one of two ways, depending on
+        # where memory lies: last digits would differ from run to run.
+        width, back, front, exponent = np.ascontiguousarray(profile(level).T)
         factor = trunk_factor(level, build)
         # The widest place of the trunk lies a little behind the middle of its depth.
         centre = 0.55 * back + 0.45 * front
