@@ -20,4 +20,4 @@ def main(output: str = "out", quality: str = "standard", max_frames: int | None 
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    main(sys.argv[1] if len(sys.argv) > 1 else "out")
