@@ -22,7 +22,8 @@ class Crossings:
     cloth: Int
 
 
-def _model(positions: Float, faces: Int) -> fcl.BVHModel:
+def bvh_model(positions: Float, faces: Int) -> fcl.BVHModel:
+    """FCL hierarchy of a triangle surface."""
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(positions))
     model.addSubModel(positions, faces)
@@ -30,7 +31,8 @@ def _model(positions: Float, faces: Int) -> fcl.BVHModel:
     return model
 
 
-def _face_pairs(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
+def crossing_faces(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
+    """All crossing face pairs of two triangle surfaces, each once, shape (k, 2)."""
     limit = MAX_CONTACTS
     while True:
         result = fcl.CollisionResult()
@@ -48,7 +50,7 @@ class Auditor:
     def __init__(self, avatar_vertices: Float | None, avatar_faces: Int | None) -> None:
         self._avatar: fcl.CollisionObject | None = None
         if avatar_vertices is not None and avatar_faces is not None:
-            self._avatar = fcl.CollisionObject(_model(avatar_vertices, avatar_faces), fcl.Transform())
+            self._avatar = fcl.CollisionObject(bvh_model(avatar_vertices, avatar_faces), fcl.Transform())
 
     def audit(self, positions: Float, faces: Int, weld: Int) -> Crossings:
         """Crossings of the cloth surface.
@@ -67,17 +69,17 @@ class Auditor:
         empty = np.empty((0, 2), np.int32)
         against = empty
         if self._avatar is not None:
-            cloth = fcl.CollisionObject(_model(positions, faces), fcl.Transform())
-            against = _face_pairs(cloth, self._avatar)
+            cloth = fcl.CollisionObject(bvh_model(positions, faces), fcl.Transform())
+            against = crossing_faces(cloth, self._avatar)
         corners = positions[faces]
         centroid = corners.mean(axis=1, keepdims=True)
         apart = np.ascontiguousarray((centroid + (1.0 - SHRINK) * (corners - centroid)).reshape(-1, 3))
-        model = _model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
-        pairs = _face_pairs(
+        model = bvh_model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
+        pairs = crossing_faces(
             fcl.CollisionObject(model, fcl.Transform()), fcl.CollisionObject(model, fcl.Transform())
         )
         pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         a, b = faces[pairs[:, 0]], faces[pairs[:, 1]]
-        same_vertex = (a[:, :, None] == b[:, None, :]).any(axis=(1, 2))
-        same_weld = (weld[a][:, :, None] == weld[b][:, None, :]).any(axis=(1, 2))
-        return Crossings(against, pairs[same_vertex | ~same_weld])
+        other_vertex = a[:, :, None] != b[:, None, :]
+        across_open_seam = (other_vertex & (weld[a][:, :, None] == weld[b][:, None, :])).any(axis=(1, 2))
+        return Crossings(against, pairs[~across_open_seam])

@@ -6,8 +6,8 @@ from numba import types
 from toile.collide import bvh
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.collide.surface import Surface
-from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
+from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.kernel import BOOL_1, BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
 
 
 @helper
@@ -30,8 +30,10 @@ def _box_gap_exceeds(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def
 
 
 @helper
-def _is_candidate(p, weld, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
-    """Whether the pair shares no (sewn) vertex and is closer than the reaches of its two sides together."""
+def _is_candidate(p, weld, ghost, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
+    """Whether the pair shares no sewn vertex, is not all ghost, and is closer than its reaches together."""
+    if ghost[i] and ghost[j] and ghost[k] and ghost[m]:
+        return False
     a = weld[i]
     b = weld[j]
     c = weld[k]
@@ -54,11 +56,11 @@ def _is_candidate(p, weld, kind, i, j, k, m, reaches):  # type: ignore[no-untype
 
 @kernel(
     types.UniTuple(types.int64, 2)(
-        F64_2, I32_1, I32_2, I32_2, BOOL_2, BOOL_2, I32_2, BOOL_2, BOOL_2, F64_1, OUT_I32_2, OUT_I32_2
+        F64_2, I32_1, BOOL_1, I32_2, I32_2, BOOL_2, BOOL_2, I32_2, BOOL_2, BOOL_2, F64_1, OUT_I32_2, OUT_I32_2
     )
 )
 def _emit(  # type: ignore[no-untyped-def]
-    p, weld, pairs, faces_a, vertex_a, edge_a, faces_b, vertex_b, edge_b, reach, vertex_face, edge_edge
+    p, weld, ghost, pairs, faces_a, vertex_a, edge_a, faces_b, vertex_b, edge_b, reach, vertex_face, edge_edge
 ):
     """Write the candidates of face pairs while they fit; return how many of each kind there are."""
     count_vf = 0
@@ -76,7 +78,7 @@ def _emit(  # type: ignore[no-untyped-def]
                     if not vertex_b[tb, corner]:
                         continue
                     v, a, b, c = faces_b[tb, corner], faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
-                if _is_candidate(p, weld, 0, v, a, b, c, reach):
+                if _is_candidate(p, weld, ghost, 0, v, a, b, c, reach):
                     if count_vf < vertex_face.shape[0]:
                         vertex_face[count_vf, 0] = v
                         vertex_face[count_vf, 1] = a
@@ -93,7 +95,7 @@ def _emit(  # type: ignore[no-untyped-def]
                     continue
                 c = faces_b[tb, m]
                 d = faces_b[tb, (m + 1) % 3]
-                if _is_candidate(p, weld, 1, a, b, c, d, reach):
+                if _is_candidate(p, weld, ghost, 1, a, b, c, d, reach):
                     if count_ee < edge_edge.shape[0]:
                         edge_edge[count_ee, 0] = a
                         edge_edge[count_ee, 1] = b
@@ -104,7 +106,7 @@ def _emit(  # type: ignore[no-untyped-def]
 
 
 def find_candidates(
-    p: Float, weld: Int, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
+    p: Float, weld: Int, ghost: Bool, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
     b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float,
 ) -> tuple[Int, Int]:  # fmt: skip
     """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
@@ -115,6 +117,9 @@ def find_candidates(
         Positions that the faces index [m], shape (n, 3).
     weld
         Vertices with the same number are one sewn vertex: pairs that share one are left out, shape (n,).
+    ghost
+        Vertices that pass through each other: pairs whose four vertices are all marked are left out,
+        shape (n,).
     a, b
         The two surfaces; b is None for pairs within a.
     boxes_a, tree_a, boxes_b, tree_b
@@ -132,7 +137,7 @@ def find_candidates(
         vertex_face = np.empty((capacity, 4), np.int32)
         edge_edge = np.empty((capacity, 4), np.int32)
         found = _emit(
-            p, weld, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge, reach,
+            p, weld, ghost, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge, reach,
             vertex_face, edge_edge,
         )  # fmt: skip
         if max(found) <= capacity:

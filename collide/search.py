@@ -1,13 +1,13 @@
 """The contact search of one cloth topology against one avatar: candidates carried over between steps."""
 
 import numpy as np
+from numba import types
 
 from toile.collide import bvh
 from toile.collide.candidates import find_candidates
 from toile.collide.surface import Surface, surface_of
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
-from numba import types
 
 NO_PAIRS = np.empty((0, 4), np.int32)
 
@@ -26,15 +26,40 @@ def _grown_boxes(p, faces, reach, boxes):  # type: ignore[no-untyped-def]
 
 
 class AvatarSurface:
-    """A still avatar, ready to be searched: shared by all topologies of a run."""
+    """An avatar, ready to be searched: shared by all topologies of a run.
 
-    def __init__(self, vertices: Float, faces: Int, reach: float) -> None:
-        self.vertices = vertices
+    Attributes
+    ----------
+    vertices
+        Current positions [m], shape (v, 3); change them through `move_to`.
+    motion
+        How far each vertex may move before the next search [m], shape (v,).
+    """
+
+    def __init__(self, vertices: Float, faces: Int) -> None:
+        self.vertices = vertices.copy()
         self.faces = faces
-        self.reach = reach
+        self.surface = surface_of(faces)
+        self.motion = np.zeros(len(vertices))
         self.boxes = np.empty((len(faces), 6))
-        _grown_boxes(vertices, faces, np.full(len(vertices), reach), self.boxes)
-        self.tree = bvh.build(self.boxes)
+        self._tree: bvh.Bvh | None = None
+        self._reach = np.full(len(vertices), -1.0)
+
+    def move_to(self, vertices: Float) -> None:
+        """Put the vertices elsewhere; the next search refits the hierarchy."""
+        self.vertices = vertices
+        self._reach[:] = -1.0
+
+    def tree(self, reach: Float) -> bvh.Bvh:
+        """Hierarchy over the faces, each grown by the largest reach of its vertices [m], shape (v,)."""
+        if self._tree is None or not np.array_equal(reach, self._reach):
+            _grown_boxes(self.vertices, self.faces, reach, self.boxes)
+            self._reach = reach.copy()
+            if self._tree is None:
+                self._tree = bvh.build(self.boxes)
+            else:
+                bvh.refit(self._tree, self.boxes)
+        return self._tree
 
     @property
     def vertex_area(self) -> Float:
@@ -69,13 +94,13 @@ class ContactSearch:
         self._count = count
         self.positions = np.empty((count + others, 3))
         self._weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
+        self._ghost = np.zeros(count + others, bool)
         self._reach = np.full(count + others, 0.5 * radius)
         self._avatar_surface: Surface | None = None
         if avatar is not None:
             self.positions[count:] = avatar.vertices
-            self._avatar_surface = surface_of(avatar.faces)
-            shifted = self._avatar_surface.faces + np.int32(count)
-            self._avatar_surface = Surface(shifted, self._avatar_surface.owns_vertex, self._avatar_surface.owns_edge)
+            shifted = avatar.surface.faces + np.int32(count)
+            self._avatar_surface = Surface(shifted, avatar.surface.owns_vertex, avatar.surface.owns_edge)
         self._boxes = np.empty((len(face_nodes), 6))
         self._tree: bvh.Bvh | None = None
         self._origin = np.full((count, 3), np.nan)
@@ -84,6 +109,21 @@ class ContactSearch:
         self.cloth: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
         self.rebuilds = 0
 
+    def place(self, x: Float) -> None:
+        """Set the current positions of cloth nodes and avatar vertices, without searching."""
+        self.positions[: self._count] = x
+        if self._avatar is not None:
+            self.positions[self._count :] = self._avatar.vertices
+
+    def let_pass(self, ghost: Bool) -> None:
+        """Let marked cloth nodes, shape (n,), pass through each other, though through nothing else."""
+        self._ghost[: self._count] = ghost
+        self.expire()
+
+    def expire(self) -> None:
+        """Make the next `covers` answer no: the avatar has moved."""
+        self._origin[:] = np.nan
+
     def covers(self, x: Float, motion: Float) -> bool:
         """Whether the candidates hold every pair that can meet when nodes at x move by at most `motion` [m]."""
         used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
@@ -91,7 +131,7 @@ class ContactSearch:
 
     def search(self, x: Float, motion: Float) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x."""
-        self.positions[: self._count] = x
+        self.place(x)
         self._origin = x.copy()
         self._allowed = motion.copy()
         self._reach[: self._count] = 0.5 * self._radius + motion
@@ -103,12 +143,13 @@ class ContactSearch:
         self.rebuilds += 1
         if self._self_contact:
             self.cloth = find_candidates(
-                self.positions, self._weld, self._surface, self._boxes, self._tree, None, self._boxes, self._tree,
+                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, None, self._boxes, self._tree,
                 self._reach,
             )  # fmt: skip
-        if self._avatar is not None:
-            assert self._avatar_surface is not None
+        if self._avatar is not None and self._avatar_surface is not None:
+            self._reach[self._count :] = 0.5 * self._radius + self._avatar.motion
+            tree = self._avatar.tree(self._reach[self._count :])
             self.body = find_candidates(
-                self.positions, self._weld, self._surface, self._boxes, self._tree, self._avatar_surface,
-                self._avatar.boxes, self._avatar.tree, self._reach,
+                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, self._avatar_surface,
+                self._avatar.boxes, tree, self._reach,
             )  # fmt: skip

@@ -82,13 +82,15 @@ class DrapeFigures:
     avatar_intersections, self_intersections
         Crossing triangle pairs in the final frame.
     worst_frame_intersections
-        Crossing triangle pairs, avatar and self together, in the worst output frame.
+        Crossing triangle pairs, avatar and self together, in the worst output frame. Output frames are
+        those in which the sewn garment settles; while seams still close there is nothing to put out.
     min_gap_mm
         Smallest distance between cloth and avatar or cloth in the final frame [mm], None without contact.
     warp_strain_max, weft_strain_max, strain_p99
         Strain along the threads in the final frame: largest, and 99th percentile of both [%].
     residual
-        Final residual [fraction of the cloth's weight].
+        How far from rest: RMS node motion of a long step from rest, as a share of free fall in that time,
+        which is the share of the cloth's weight that is not in balance.
     """
 
     frames: int
@@ -137,9 +139,10 @@ class DrapedGarment:
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeOutcome:
-    """A drape's end: its status, why it failed if it did, its figures and the garments in scene order."""
+    """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made."""
 
     status: Status
     failure: Failure | None
     figures: DrapeFigures
     garments: list[DrapedGarment]
+    notes: tuple[str, ...] = ()

@@ -91,6 +91,9 @@ def dress(
         say("compiling kernels (once)")
     cloth = list(zip(meshes, cloth_fabrics, strict=True))
     outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
+    if say is not None:
+        for note in outcome.notes:
+            say(note)
     garments = tuple(
         _dressed(mesh, fabric, draped) for (mesh, fabric), draped in zip(cloth, outcome.garments, strict=True)
     )

@@ -31,9 +31,9 @@ class Quality:
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="preview", edge_length=0.018, max_frames=200, tolerance=0.03),
-        Quality(name="standard", edge_length=0.011, max_frames=400, tolerance=0.01),
-        Quality(name="accurate", edge_length=0.007, max_frames=800, tolerance=0.005),
+        Quality(name="preview", edge_length=0.016, max_frames=50, tolerance=5e-4),
+        Quality(name="standard", edge_length=0.010, max_frames=80, tolerance=2e-4),
+        Quality(name="accurate", edge_length=0.007, max_frames=160, tolerance=1e-4),
     )
 }
 

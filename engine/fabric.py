@@ -21,6 +21,8 @@ class Fabric:
         Membrane stiffness along the threads [N/m].
     shear
         Shear stiffness [N/m].
+    compression
+        Share of the stretch stiffness that acts in compression, where threads and fine wrinkles buckle.
     friction_body, friction_self
         Coulomb coefficients against the avatar and against cloth.
     damping
@@ -36,6 +38,7 @@ class Fabric:
     stretch_warp: float
     stretch_weft: float
     shear: float
+    compression: float = 0.02
     friction_body: float = 0.35
     friction_self: float = 0.3
     damping: float = 0.002

@@ -86,7 +86,8 @@ def _evaluate(  # type: ignore[no-untyped-def]
             energy[0] += 0.5 * scale * (r - d) * (r - d)
         else:
             push = scale * r * r / (4.0 * d)
-            hard = push / d
+            # Secant to the gap r where the force ends: the tangent would let Newton only double the gap.
+            hard = push / (r - d)
             energy[0] += scale * r * r * (0.125 - 0.25 * np.log(2.0 * d / r))
         sx = 0.0
         sy = 0.0
@@ -102,27 +103,33 @@ def _evaluate(  # type: ignore[no-untyped-def]
         sz -= along * nz
         slid = length(sx, sy, sz)
         grip = 0.0
+        ease = 0.0
         if mu > 0.0:
-            # Secant stiffness of the friction law: positive, and exact at no slip and at full slip.
+            # Secant across the slip; along it the tangent, which vanishes once the contact slides: with
+            # the secant a sliding contact could move no farther than about `slip` per iteration.
             if slid < slip:
                 grip = mu * push * (2.0 - slid / slip) / slip
+                ease = mu * push * slid / (slip * slip)
                 energy[0] += mu * push * slid * slid * (1.0 - slid / (3.0 * slip)) / slip
             else:
                 grip = mu * push / slid
+                ease = grip
                 energy[0] += mu * push * (slid - slip / 3.0)
         force[count, 0] = push * nx - grip * sx
         force[count, 1] = push * ny - grip * sy
         force[count, 2] = push * nz - grip * sz
         stiff = hard - grip
-        stiffness[count, 0, 0] = stiff * nx * nx + grip
-        stiffness[count, 1, 1] = stiff * ny * ny + grip
-        stiffness[count, 2, 2] = stiff * nz * nz + grip
-        stiffness[count, 0, 1] = stiff * nx * ny
-        stiffness[count, 1, 0] = stiff * nx * ny
-        stiffness[count, 0, 2] = stiff * nx * nz
-        stiffness[count, 2, 0] = stiff * nx * nz
-        stiffness[count, 1, 2] = stiff * ny * nz
-        stiffness[count, 2, 1] = stiff * ny * nz
+        if slid > 0.0:
+            ease /= slid * slid
+        stiffness[count, 0, 0] = stiff * nx * nx + grip - ease * sx * sx
+        stiffness[count, 1, 1] = stiff * ny * ny + grip - ease * sy * sy
+        stiffness[count, 2, 2] = stiff * nz * nz + grip - ease * sz * sz
+        stiffness[count, 0, 1] = stiff * nx * ny - ease * sx * sy
+        stiffness[count, 1, 0] = stiffness[count, 0, 1]
+        stiffness[count, 0, 2] = stiff * nx * nz - ease * sx * sz
+        stiffness[count, 2, 0] = stiffness[count, 0, 2]
+        stiffness[count, 1, 2] = stiff * ny * nz - ease * sy * sz
+        stiffness[count, 2, 1] = stiffness[count, 1, 2]
         gap[count] = d
         for q in range(4):
             v = pairs[row, q]
@@ -191,5 +198,11 @@ def evaluate_contacts(
         if pairs_of is body:
             touching_body = count
     return Contacts(
-        nodes[:count], weights[:count], force[:count], stiffness[:count], gap[:count], touching_body, float(energy[0])
+        nodes[:count],
+        weights[:count],
+        force[:count],
+        stiffness[:count],
+        gap[:count],
+        touching_body,
+        float(energy[0]),
     )

@@ -4,6 +4,10 @@ With F = [f_u f_v] the deformation gradient of a face (columns: where a metre of
 energy per rest area is k_u/2 (|f_u| - 1)^2 + k_v/2 (|f_v| - 1)^2 + k_s/2 (f_u . f_v)^2, independent of the
 mesh. The Hessian is projected on its positive semi-definite part in closed form.
 
+In compression k_u and k_v are a fabric's share of their values in tension: threads buckle, and wrinkles finer
+than the mesh take up shortening almost without force (Pipkin 1986, the relaxed energy of membranes). It also
+keeps flat triangles from locking: a face that spans an arc is shorter than the arc.
+
 Sources: Baraff and Witkin 1998, section 4 (the conditions); Kim 2020, "A finite element formulation of
 Baraff-Witkin cloth" (energy per area, eigenvalues).
 """
@@ -32,7 +36,9 @@ def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
         warp = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
         weft = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
         shear = ux * vx + uy * vy + uz * vz
-        density = shape[t, 1] * warp * warp + shape[t, 2] * weft * weft + shape[t, 3] * shear * shear
+        k_u = shape[t, 1] if warp > 0.0 else shape[t, 1] * shape[t, 10]
+        k_v = shape[t, 2] if weft > 0.0 else shape[t, 2] * shape[t, 10]
+        density = k_u * warp * warp + k_v * weft * weft + shape[t, 3] * shear * shear
         energy[t] = 0.5 * shape[t, 0] * density
 
 
@@ -76,6 +82,10 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
         inverse_u = 1.0 / length_u if length_u > 0.0 else 0.0
         inverse_v = 1.0 / length_v if length_v > 0.0 else 0.0
         strain_u, strain_v = length_u - 1.0, length_v - 1.0
+        if strain_u < 0.0:
+            k_u *= shape[t, 10]
+        if strain_v < 0.0:
+            k_v *= shape[t, 10]
         energy[t] = 0.5 * area * (k_u * strain_u * strain_u + k_v * strain_v * strain_v + k_s * i6 * i6)
         pull_u, pull_v, pull_s = (
             area * k_u * strain_u * inverse_u,
@@ -142,11 +152,18 @@ class Membrane:
     """
 
     def __init__(
-        self, faces: Int, rest_corners: Float, stretch_warp: Float, stretch_weft: Float, shear: Float
+        self,
+        faces: Int,
+        rest_corners: Float,
+        stretch_warp: Float,
+        stretch_weft: Float,
+        shear: Float,
+        compression: Float | float = 1.0,
     ) -> None:
         """Build for faces (t, 3) of nodes, rest corners (t, 3, 2) [m] and stiffness (t,) [N/m].
 
-        Rest corners are in (warp, weft) coordinates. A face without rest area has no energy.
+        Rest corners are in (warp, weft) coordinates. A face without rest area has no energy. `compression`
+        is the share of the stretch stiffness that acts in compression, for all faces or per face (t,).
         """
         count = len(faces)
         first = rest_corners[:, 1] - rest_corners[:, 0]
@@ -154,8 +171,10 @@ class Membrane:
         determinant = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
         solid = np.abs(determinant) > 0.0
         inverse = np.divide(1.0, determinant, out=np.zeros(count), where=solid)
-        # columns: rest area; stiffness of warp, weft and shear; u, then v, derivative of the corners
-        shape = np.empty((count, 10))
+        # columns: rest area; stiffness of warp, weft and shear; u, then v, derivative of the corners; the
+        # share of stretch stiffness in compression
+        shape = np.empty((count, 11))
+        shape[:, 10] = compression
         shape[:, 0] = 0.5 * np.abs(determinant)
         shape[:, 1], shape[:, 2], shape[:, 3] = stretch_warp, stretch_weft, shear
         shape[:, 5], shape[:, 6] = second[:, 1] * inverse, -first[:, 1] * inverse

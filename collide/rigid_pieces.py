@@ -1,0 +1,52 @@
+"""Rigid surface pieces against each other and the avatar, by FCL: do they cross when shifted?"""
+
+import fcl
+import numpy as np
+
+from toile.collide.audit import bvh_model
+from toile.geometry.arrays import Float, Int
+
+
+class RigidPieces:
+    """Pieces of a surface that move as rigid bodies, and an avatar that does not.
+
+    Attributes
+    ----------
+    shift
+        Current translation of every piece [m], shape (p, 3).
+    """
+
+    def __init__(self, positions: Float, faces: Int, piece: Int, avatar: tuple[Float, Int] | None) -> None:
+        count = int(piece.max(initial=-1)) + 1
+        self.shift = np.zeros((count, 3))
+        self._objects = []
+        for index in range(count):
+            own = faces[piece == index]
+            used, local = np.unique(own, return_inverse=True)
+            model = bvh_model(positions[used], local.reshape(-1, 3).astype(np.int32))
+            self._objects.append(fcl.CollisionObject(model, fcl.Transform()))
+        self._avatar = None if avatar is None else fcl.CollisionObject(bvh_model(*avatar), fcl.Transform())
+
+    def _moved(self, index: int, shift: Float) -> fcl.CollisionObject:
+        thing = self._objects[index]
+        thing.setTransform(fcl.Transform(np.eye(3), self.shift[index] + shift))
+        return thing
+
+    def crosses_avatar(self, index: int, shift: Float) -> bool:
+        """Whether piece `index`, shifted further by `shift` [m], crosses the avatar."""
+        if self._avatar is None:
+            return False
+        result = fcl.CollisionResult()
+        return bool(fcl.collide(self._moved(index, shift), self._avatar, fcl.CollisionRequest(), result))
+
+    def crosses_pieces(self, index: int, shift: Float) -> list[int]:
+        """Return the other pieces that piece `index`, shifted further by `shift` [m], crosses."""
+        moved = self._moved(index, shift)
+        found = []
+        for other in range(len(self._objects)):
+            if other == index:
+                continue
+            result = fcl.CollisionResult()
+            if fcl.collide(moved, self._moved(other, np.zeros(3)), fcl.CollisionRequest(), result):
+                found.append(other)
+        return found

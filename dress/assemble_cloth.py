@@ -1,0 +1,58 @@
+"""Garment meshes of a scene become one Cloth."""
+
+import numpy as np
+
+from toile.dress.garment_mesh import GarmentMesh
+from toile.engine.cloth import Cloth
+from toile.engine.fabric import Fabric
+from toile.geometry.arrays import Int
+
+
+def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
+    """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
+
+    `pins` names pinned material vertices, one array per garment.
+    """
+    offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
+    seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
+    fabrics = tuple(dict.fromkeys(fabric for _, fabric in garments))
+    positions = np.concatenate([mesh.positions for mesh, _ in garments])
+    count = len(positions)
+    pinned = np.zeros(count, bool)
+    for offset, nodes in zip(offsets, pins, strict=False):
+        pinned[offset + nodes] = True
+    stitches = np.concatenate(
+        [mesh.stitches.reshape(-1, 2) + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
+    ).astype(np.int32)
+    held = [
+        vertices + offset
+        for (mesh, _), offset in zip(garments, offsets, strict=False)
+        for vertices in mesh.held.values()
+    ]
+
+    def per_face(values: list[int], kind: type) -> np.ndarray:  # type: ignore[type-arg]
+        return np.concatenate(
+            [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
+        )
+
+    return Cloth(
+        positions=positions,
+        velocities=np.zeros_like(positions),
+        node=np.arange(count, dtype=np.int32),
+        faces=np.concatenate(
+            [mesh.faces + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
+        ).astype(np.int32),
+        rest_corners=np.concatenate([mesh.rest_corners for mesh, _ in garments]),
+        fabrics=fabrics,
+        fabric=per_face([fabrics.index(fabric) for _, fabric in garments], np.int32),
+        garment=per_face(list(range(len(garments))), np.int32),
+        stitches=stitches,
+        seam=np.concatenate(
+            [mesh.seam + seam for (mesh, _), seam in zip(garments, seams, strict=False)]
+        ).astype(np.int32),
+        stitch_length=np.linalg.norm(positions[stitches[:, 0]] - positions[stitches[:, 1]], axis=1),
+        held=np.unique(np.concatenate([*held, np.empty(0, np.int32)])).astype(np.int32),
+        pinned=pinned,
+        rest_curved=per_face([not mesh.flat for mesh, _ in garments], np.bool_),
+        start_positions=positions.copy(),
+    )

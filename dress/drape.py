@@ -1,0 +1,213 @@
+"""A drape from garment meshes to draped garments: repair the start, run the engine, read off the figures."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from toile.collide.shrunken import shrunken
+from toile.dress.assemble_cloth import assemble_cloth
+from toile.dress.avatar import Avatar
+from toile.dress.drape_types import (
+    DrapedGarment,
+    DrapeFigures,
+    DrapeOptions,
+    DrapeOutcome,
+    Failure,
+    FrameState,
+    Status,
+)
+from toile.dress.garment_mesh import GarmentMesh
+from toile.dress.start_repair import clear_panels, lift_over_shoulders
+from toile.engine.drape import STEPS_PER_FRAME, Drape, DrapePlan, Frame
+from toile.engine.fabric import Fabric
+from toile.engine.forces.contact import ContactLaw
+from toile.engine.step import StepOptions
+
+SHRINK = 0.04
+"""How far the body is drawn in while seams close [m]."""
+BODY_RADIUS = 0.002
+SELF_RADIUS = 0.001
+GROWTH_RADIUS = 0.006
+CONTACT_STIFFNESS = 2e6
+"""Pressure per depth of contact [Pa/m]: a tight garment's 500 Pa sinks in 0.25 mm."""
+SLIP = 1e-3
+EARTH = 9.81
+PEAK_OVER_RMS = 10.0
+
+
+def drape(
+    avatar: Avatar,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    options: DrapeOptions,
+    on_frame: Callable[[FrameState], bool],
+) -> DrapeOutcome:
+    """Drape garments on a still avatar.
+
+    `on_frame` is called after every output frame and cancels the drape by returning False.
+
+    Raises
+    ------
+    InputError
+        A garment starts in a way that cannot be repaired.
+    """
+    started = time.perf_counter()
+    thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
+    notes: list[str] = []
+    placed = []
+    for mesh, fabric in garments:
+        lifted, said = lift_over_shoulders(mesh, (thin, avatar.faces))
+        notes += said
+        placed.append((lifted, fabric))
+    meshes, said = clear_panels([mesh for mesh, _ in placed], (thin, avatar.faces))
+    notes += said
+    cloth = assemble_cloth(
+        [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
+    )
+    plan = _plan(options, [fabric for _, fabric in garments])
+
+    def relay(frame: Frame) -> bool:
+        return on_frame(
+            FrameState(
+                frame=frame.index,
+                faces=len(frame.cloth.faces),
+                contacts=frame.contacts,
+                residual=_residual(frame.rms_motion, plan),
+                seconds=time.perf_counter() - started,
+                max_frames=options.max_frames,
+            )
+        )
+
+    run = Drape(cloth, (thin, avatar.faces), avatar.vertices, plan, relay)
+    failure = None
+    try:
+        run.run()
+    except FloatingPointError as error:
+        failure = Failure(
+            kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
+        )
+    return _outcome(run, plan, garments, failure, tuple(notes))
+
+
+def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
+    """Turn options into the engine's numbers."""
+    thickest = max(fabric.thickness for fabric in fabrics)
+    on_body = (
+        max(fabric.friction_body for fabric in fabrics) if options.friction is None else options.friction
+    )
+    rms = options.tolerance * EARTH * DrapePlan.longest_step**2
+    return DrapePlan(
+        step=StepOptions(
+            gravity=options.gravity,
+            radius_body=max(BODY_RADIUS, thickest),
+            radius_self=max(SELF_RADIUS, thickest),
+            growth_radius=GROWTH_RADIUS,
+            law_body=ContactLaw(stiffness=CONTACT_STIFFNESS, friction=on_body, edge_share=0.5),
+            law_self=ContactLaw(
+                stiffness=CONTACT_STIFFNESS,
+                friction=max(fabric.friction_self for fabric in fabrics),
+                edge_share=1.0,
+            ),
+            slip=SLIP,
+            self_contact=not options.self_contact or any(options.self_contact),
+        ),
+        max_steps=options.max_frames * STEPS_PER_FRAME,
+        rms_motion=rms,
+        peak_motion=PEAK_OVER_RMS * rms,
+    )
+
+
+def _residual(rms_motion: float, plan: DrapePlan) -> float:
+    """RMS motion of a longest step from rest, as a share of free fall in that time: unbalanced weight."""
+    return float(rms_motion / (EARTH * plan.longest_step**2))
+
+
+def _outcome(
+    run: Drape,
+    plan: DrapePlan,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    failure: Failure | None,
+    notes: tuple[str, ...],
+) -> DrapeOutcome:
+    """Read the figures off a finished drape."""
+    record, cloth = run.record, run.cloth
+    settled = record.settled_crossings or record.crossings[-1:]
+    last = record.crossings[-1]
+    strain = 100.0 * run.warp_weft_strain()
+    names = [name for mesh, _ in garments for name in mesh.seam_names]
+    open_gaps = np.linalg.norm(
+        cloth.positions[cloth.stitches[:, 0]] - cloth.positions[cloth.stitches[:, 1]], axis=1
+    )
+    if failure is None and not record.cancelled:
+        if sum(last):
+            failure = Failure(
+                kind="tangled",
+                message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
+                where=f"frame {len(record.crossings) - 1}",
+            )
+        elif len(open_gaps):
+            seams = sorted({names[index] for index in cloth.seam})
+            failure = Failure(
+                kind="open_seams",
+                message=f"{len(open_gaps)} stitches did not close, gap up to {open_gaps.max() * 1e3:.0f} mm; "
+                "the garment may be too small for this body",
+                where=", ".join(seams),
+            )
+        elif run.phase != "settling":
+            failure = Failure(
+                kind="not_sewn",
+                message=f"the frame limit came while the garment was still {run.phase}; allow more frames",
+                where=f"frame {len(record.crossings) - 1}",
+            )
+    status: Status = "frame_limit"
+    if record.cancelled:
+        status = "cancelled"
+    elif failure is not None:
+        status = "failed"
+    elif record.converged:
+        status = "converged"
+    counts = record.node_counts
+    faces = len(cloth.faces)
+    figures = DrapeFigures(
+        frames=len(record.crossings),
+        simulated_seconds=record.simulated_seconds,
+        steps=record.steps,
+        newton_iterations=record.newton_iterations,
+        cg_iterations=record.cg_iterations,
+        nodes=(counts[0], counts[-1], max(counts)),
+        faces=(faces, faces, faces),
+        contacts_max=record.contacts_max,
+        avatar_intersections=last[0],
+        self_intersections=last[1],
+        worst_frame_intersections=max(a + b for a, b in settled),
+        min_gap_mm=None if run.smallest_gap() is None else 1e3 * float(run.smallest_gap() or 0.0),
+        warp_strain_max=float(strain[:, 0].max()),
+        weft_strain_max=float(strain[:, 1].max()),
+        strain_p99=float(np.quantile(strain, 0.99)),
+        residual=_residual(record.rms_motion, plan),
+        stage_seconds=run.clock.seconds,
+    )
+    return DrapeOutcome(
+        status=status, failure=failure, figures=figures, garments=_split(run, garments), notes=notes
+    )
+
+
+def _split(run: Drape, garments: list[tuple[GarmentMesh, Fabric]]) -> list[DrapedGarment]:
+    """Take the garments apart again, nodes renumbered per garment."""
+    cloth = run.cloth
+    first = 0
+    draped = []
+    for index, (mesh, _) in enumerate(garments):
+        own = cloth.faces[cloth.garment == index]
+        nodes, local = np.unique(cloth.node[own], return_inverse=True)
+        draped.append(
+            DrapedGarment(
+                positions=cloth.positions[nodes],
+                faces=local.reshape(-1, 3).astype(np.int32),
+                faces_material=(own - first).astype(np.int32),
+                uv=mesh.uv,
+                panel=mesh.panel,
+            )
+        )
+        first += len(mesh.positions)
+    return draped

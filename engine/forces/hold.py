@@ -1,0 +1,73 @@
+"""Holds: springs that keep nodes near a place while seams close, so that the garment closes where it was put."""
+
+import numpy as np
+
+from toile.engine.linear_system import ContactStencils
+from toile.geometry.arrays import Float, Int
+
+
+class Holds:
+    """Springs E = k/2 sum_axis w_axis (x - target)^2 on single nodes.
+
+    Attributes
+    ----------
+    nodes
+        Held nodes, shape (k,).
+    targets
+        Where they are held [m], shape (k, 3); may be moved.
+    axes
+        Weight of each axis, shape (k, 3): (0, 1, 0) holds the height only.
+    """
+
+    def __init__(self, nodes: Int, targets: Float, axes: Float) -> None:
+        self.nodes = nodes
+        self.targets = targets
+        self.axes = axes
+
+    def energy(self, x: Float, stiffness: float) -> float:
+        """Energy [J] for spring stiffness [N/m]."""
+        return float(0.5 * stiffness * np.sum(self.axes * (x[self.nodes] - self.targets) ** 2))
+
+    def add_gradient(self, x: Float, stiffness: float, gradient: Float) -> None:
+        """Add the gradient [N] to shape (n, 3)."""
+        np.add.at(gradient, self.nodes, stiffness * self.axes * (x[self.nodes] - self.targets))
+
+    def stencils(self, stiffness: float) -> ContactStencils:
+        """Return the Hessian as single-node stencils."""
+        count = len(self.nodes)
+        nodes = np.full((count, 4), -1, np.int32)
+        nodes[:, 0] = self.nodes
+        weights = np.zeros((count, 4))
+        weights[:, 0] = 1.0
+        block = np.zeros((count, 3, 3))
+        block[:, np.arange(3), np.arange(3)] = stiffness * self.axes
+        return ContactStencils(nodes, weights, block)
+
+
+class SewingHolds(Holds):
+    """Holds of a garment about to be sewn.
+
+    Stitched nodes are held at the mean start place of the nodes they will join, labelled edges
+    (waistbands, collars, straps) at their height. While `approach` is 1 a stitched node's target lies
+    in the plane its panel starts in, so that neighbouring panels that overlap slide clear of each
+    other before they meet; at 0 it is the meeting place.
+    """
+
+    def __init__(self, x: Float, normals: Float, weld: Int, stitches: Int, held: Int) -> None:
+        sewn = np.unique(stitches).astype(np.int32)
+        heights = np.setdiff1d(held, sewn).astype(np.int32)
+        count = np.maximum(np.bincount(weld[sewn], minlength=int(weld.max(initial=0)) + 1), 1)
+        means = [np.bincount(weld[sewn], weights=x[sewn, k], minlength=len(count)) / count for k in range(3)]
+        self._meeting = np.concatenate([np.stack(means, axis=1)[weld[sewn]], x[heights]])
+        nodes = np.concatenate([sewn, heights])
+        normal = normals[nodes]
+        self._offset = normal * np.sum(normal * (x[nodes] - self._meeting), axis=1, keepdims=True)
+        axes = np.concatenate([np.ones((len(sewn), 3)), np.tile([0.0, 1.0, 0.0], (len(heights), 1))])
+        super().__init__(nodes, self._meeting + self._offset, axes)
+
+    def approach(self, share: Float) -> None:
+        """Set how far along its panel's normal each node's target still is from the meeting place.
+
+        `share` is 1 at the start and 0 at the meeting place, one value per node of the cloth, shape (n,).
+        """
+        self.targets = self._meeting + share[self.nodes, None] * self._offset

@@ -1,0 +1,399 @@
+"""One implicit step of one cloth topology: predict, find contacts, Newton iterations, safe moves.
+
+A step minimises 1/(2 h^2) |x - y|_M^2 + energies(x), y = x0 + h v0 + h^2 g, by Newton's method with
+positive semi-definite Hessians. A first iteration from x0 is the linearly implicit step of Baraff and
+Witkin (1998). Every displacement passes the guard, so no pair ever meets.
+"""
+
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from toile.collide.guard import safe_factors
+from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.shrunken import vertex_normals
+from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
+from toile.engine.cg import solve
+from toile.engine.cloth import Cloth
+from toile.engine.forces.bend import Bending
+from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.hold import SewingHolds
+from toile.engine.forces.membrane import Membrane
+from toile.engine.forces.stitch import Stitches
+from toile.engine.forces.tighten import Tightening
+from toile.engine.linear_system import ContactStencils, LinearSystem
+from toile.engine.preconditioner.base import Preconditioner
+from toile.engine.preconditioner.choice import make_preconditioner
+from toile.geometry.arrays import Bool, Float, Int
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepOptions:
+    """Numbers of the implicit step that do not change during a drape.
+
+    Attributes
+    ----------
+    gravity
+        Downward acceleration [m/s^2].
+    radius_body, radius_self
+        Contact radius against the avatar and within the cloth [m].
+    law_body, law_self
+        Contact laws against the avatar and within the cloth.
+    growth_radius
+        Contact radius against the avatar while it grows [m]: the farther the cloth keeps ahead of the
+        growing body, the faster the body may grow.
+    slip
+        Elastic slip of friction [m]: how far a sticking contact gives before it slides.
+    self_contact
+        Whether the cloth can touch itself.
+    """
+
+    gravity: float
+    radius_body: float
+    radius_self: float
+    law_body: ContactLaw
+    law_self: ContactLaw
+    growth_radius: float
+    slip: float
+    self_contact: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepRequest:
+    """What one step is to do.
+
+    Attributes
+    ----------
+    h
+        Step size [s].
+    at_rest
+        Start from zero velocity and return none: the step seeks equilibrium.
+    gravity
+        Share of gravity that acts, 0 to 1.
+    stitch_share
+        Share of their first length that open stitches shall keep, 0 to 1, one for all or shape (s,).
+    stitch_stiffness
+        Stiffness of a stitch [N/m].
+    stitch_reach
+        Largest elongation of a stitch [m]: bounds its force.
+    hold_stiffness
+        Stiffness of a hold [N/m]; 0 lets go.
+    tighten_stiffness
+        Stiffness of the springs that pull tangled cloth smooth [N/m].
+    friction
+        Whether friction acts.
+    newton
+        Newton iterations at most.
+    newton_tolerance
+        Stop iterating when no node moved farther than this [m].
+    cg_tolerance, cg_iterations
+        Relative residual and iteration limit of the linear solver.
+    motion_max
+        Longest motion of a node in one Newton iteration [m].
+    """
+
+    h: float
+    at_rest: bool
+    gravity: float = 1.0
+    stitch_share: Float | float = 0.0
+    stitch_stiffness: float = 0.0
+    stitch_reach: float = 0.02
+    hold_stiffness: float = 0.0
+    tighten_stiffness: float = 0.0
+    friction: bool = True
+    newton: int = 1
+    newton_tolerance: float = 1e-5
+    cg_tolerance: float = 1e-2
+    cg_iterations: int = 300
+    motion_max: float = 0.03
+
+
+@dataclass
+class StepOutcome:
+    """What one step did: motion [m] of the nodes, iterations, how much the guard held back."""
+
+    moved: Float
+    newton_iterations: int = 0
+    cg_iterations: int = 0
+    contacts: int = 0
+    limited: int = 0
+    min_gap: float = np.inf
+
+
+@dataclass
+class StageClock:
+    """Wall seconds spent per stage."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, stage: str, since: float) -> float:
+        """Book the time since `since` under `stage`; return now."""
+        now = perf_counter()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
+        return now
+
+
+class ClothStepper:
+    """Forces, matrix pattern and contact search of one topology; makes steps on its cloth."""
+
+    def __init__(
+        self, cloth: Cloth, avatar: AvatarSurface | None, options: StepOptions, clock: StageClock
+    ) -> None:
+        started = perf_counter()
+        self.options = options
+        self.clock = clock
+        self.avatar = avatar
+        self.x = cloth.positions.copy()
+        self.v = cloth.velocities.copy()
+        self.mass = cloth.mass
+        self.pinned: Bool | None = cloth.pinned if cloth.pinned.any() else None
+        faces = cloth.face_nodes
+        self.faces = faces
+        fabrics = cloth.fabrics
+
+        def per_face(name: str) -> Float:
+            return np.array([getattr(fabric, name) for fabric in fabrics])[cloth.fabric]
+
+        self.membrane = Membrane(
+            faces, cloth.rest_corners, per_face("stretch_warp"), per_face("stretch_weft"), per_face("shear"),
+            per_face("compression"),
+        )  # fmt: skip
+        self.bending = Bending.for_cloth(cloth)
+        self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
+        self.stitch_length = cloth.stitch_length
+        self.tightening: Tightening | None = None
+        self.holds: SewingHolds | None = None
+        if len(cloth.stitches):
+            normals = vertex_normals(self.x, faces)
+            self.holds = SewingHolds(self.x, normals, cloth.weld, cloth.stitches, cloth.held)
+        stencils = [faces] + ([cloth.stitches] if len(cloth.stitches) else [])
+        self.pattern = BlockPattern(len(self.x), stencils)
+        self.system = LinearSystem(self.pattern, None if self.bending is None else self.bending.stiffness)
+        self.preconditioner: Preconditioner = make_preconditioner(self.system)
+        self.blocks = self.pattern.zeros()
+        weld = cloth.weld
+        radius = max(options.radius_body, options.radius_self)
+        self.search: ContactSearch | None = None
+        if avatar is not None or options.self_contact:
+            self.search = ContactSearch(
+                faces,
+                weld,
+                avatar,
+                self_contact=options.self_contact,
+                radius=max(radius, options.growth_radius),
+            )
+            others = 0 if avatar is None else len(avatar.vertices)
+            self.area = np.concatenate(
+                [cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area]
+            )
+            self.radius_body = np.full(len(self.x) + others, options.radius_body)
+            self.radius_self = np.minimum(options.radius_self, 0.4 * _shortest_edge(cloth))
+            self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
+        self._motion = np.zeros(len(self.x))
+        clock.add("assembly", started)
+
+    def contacts(self, request: StepRequest) -> Contacts | None:
+        """Find and evaluate contacts at the current positions."""
+        if self.search is None:
+            return None
+        none = np.zeros(len(self.x))
+        if not self.search.covers(self.x, none):
+            self.search.search(self.x, 1.3 * self._motion + 5e-4)
+        self.search.place(self.x)
+        friction = request.friction
+        law_body, law_self = self.options.law_body, self.options.law_self
+        if not friction:
+            law_body = ContactLaw(stiffness=law_body.stiffness, friction=0.0, edge_share=law_body.edge_share)
+            law_self = ContactLaw(stiffness=law_self.stiffness, friction=0.0, edge_share=law_self.edge_share)
+        return evaluate_contacts(
+            self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
+            self.radius_body, self.radius_self_all(), self.area, law_body, law_self, self.options.slip,
+        )  # fmt: skip
+
+    def radius_self_all(self) -> Float:
+        """Self-contact radius for nodes and, unused, avatar vertices."""
+        count = len(self.anchor) - len(self.x)
+        return np.concatenate([self.radius_self, np.full(count, self.options.radius_self)])
+
+    def gradient(self, y: Float, request: StepRequest, contacts: Contacts | None) -> Float:
+        """Gradient of the step's energy [N] after forces were evaluated, shape (n, 3)."""
+        gradient = (self.mass / request.h**2)[:, None] * (self.x - y)
+        scatter_gradients(self.faces, self.membrane.element_gradient, gradient)
+        if self.bending is not None:
+            gradient += self.bending.gradient(self.x)
+        if self.stitches is not None and request.stitch_stiffness > 0.0:
+            scatter_gradients(self.stitches.pairs, self.stitches.element_gradient, gradient)
+        if self.holds is not None and request.hold_stiffness > 0.0:
+            self.holds.add_gradient(self.x, request.hold_stiffness, gradient)
+        if self.tightening is not None and request.tighten_stiffness > 0.0:
+            self.tightening.add_gradient(self.x, request.tighten_stiffness, gradient)
+        if contacts is not None:
+            _scatter_contact_forces(contacts, gradient)
+        return gradient
+
+    def step(self, request: StepRequest) -> StepOutcome:
+        """Advance the cloth by one step; positions never pass through each other or the avatar."""
+        h = request.h
+        start = self.x.copy()
+        if request.at_rest:
+            self.v[:] = 0.0
+        y = start + h * self.v
+        y[:, 1] -= h * h * self.options.gravity * request.gravity
+        outcome = StepOutcome(moved=np.zeros(len(self.x)))
+        node_diagonal = self.mass / h**2
+        for _ in range(request.newton):
+            now = perf_counter()
+            contacts = self.contacts(request)
+            now = self.clock.add("contact", now)
+            self.membrane.evaluate(self.x)
+            self.blocks[:] = 0.0
+            scatter_hessians(self.pattern.slots[0], self.membrane.element_hessian, self.blocks)
+            if self.stitches is not None and request.stitch_stiffness > 0.0:
+                self.stitches.evaluate(self.x, self._stitch_target(request), request.stitch_stiffness)
+                scatter_hessians(self.pattern.slots[1], self.stitches.element_hessian, self.blocks)
+            gradient = self.gradient(y, request, contacts)
+            stencils = []
+            if contacts is not None:
+                stencils.append(ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness))
+                outcome.contacts = contacts.count
+                outcome.min_gap = float(contacts.gap.min(initial=np.inf))
+            if self.holds is not None and request.hold_stiffness > 0.0:
+                stencils.append(self.holds.stencils(request.hold_stiffness))
+            if self.tightening is not None and request.tighten_stiffness > 0.0:
+                stencils.append(self.tightening.stencils(request.tighten_stiffness))
+            self.system.update(
+                self.blocks, node_diagonal, pinned=self.pinned,
+                **({"contacts": _joined(stencils)} if stencils else {}),
+            )  # fmt: skip
+            self.preconditioner.update(self.system, self.x)
+            now = self.clock.add("assembly", now)
+            result = solve(
+                self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
+                max_iterations=request.cg_iterations,
+            )  # fmt: skip
+            now = self.clock.add("solve", now)
+            outcome.newton_iterations += 1
+            outcome.cg_iterations += result.iterations
+            move, limited = self._safe(result.solution, request.motion_max)
+            outcome.limited = limited
+            self.x += move
+            self.clock.add("contact", now)
+            if np.abs(move).max() < request.newton_tolerance:
+                break
+        outcome.moved = np.linalg.norm(self.x - start, axis=1)
+        self.v = np.zeros_like(self.x) if request.at_rest else (self.x - start) / h
+        self._slide_anchors(contacts)
+        return outcome
+
+    def _stitch_target(self, request: StepRequest) -> Float:
+        """Rest length of every stitch [m]: on schedule, but never so short that a blocked stitch crushes cloth."""
+        gap = np.linalg.norm(self.x[self.stitches.pairs[:, 0]] - self.x[self.stitches.pairs[:, 1]], axis=1)
+        return np.maximum(self.stitch_length * request.stitch_share, gap - request.stitch_reach)
+
+    def _safe(self, wanted: Float, longest: float) -> tuple[Float, int]:
+        """Shorten a displacement to `longest` and to what is safe; return it and how many nodes were held back."""
+        length = np.linalg.norm(wanted, axis=1)
+        scale = np.minimum(1.0, longest / np.maximum(length, 1e-300))
+        wanted = wanted * scale[:, None]
+        length = length * scale
+        self._motion = length
+        if self.search is None:
+            return wanted, 0
+        if not self.search.covers(self.x, length):
+            self.search.search(self.x, 1.3 * length + 5e-4)
+        self.search.place(self.x)
+        move = np.zeros_like(self.search.positions)
+        move[: len(self.x)] = wanted
+        factor = safe_factors(
+            self.search.positions, move,
+            np.concatenate([self.search.body[0], self.search.cloth[0]]),
+            np.concatenate([self.search.body[1], self.search.cloth[1]]),
+        )[: len(self.x)]  # fmt: skip
+        return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
+
+    def let_pass(self, ghost: Bool) -> None:
+        """Let marked nodes, shape (n,), pass through each other, and give them springs to tighten."""
+        if self.search is not None:
+            self.search.let_pass(ghost)
+        self.tightening = Tightening(self.faces, ghost) if ghost.any() else None
+
+    def grow_avatar(self, target: Float, longest: float) -> float:
+        """Move avatar vertices toward `target`, shape (v, 3), by at most `longest` [m] and as far as is safe.
+
+        The contact radius against the avatar is growth_radius while it grows and radius_body once it has
+        arrived. Returns the largest distance left [m].
+        """
+        if self.avatar is None or self.search is None:
+            return 0.0
+        wanted = target - self.avatar.vertices
+        length = np.linalg.norm(wanted, axis=1)
+        if length.max() == 0.0:
+            self.radius_body[:] = self.options.radius_body
+            return 0.0
+        self.radius_body[:] = self.options.growth_radius
+        share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
+        self.avatar.motion = length * share
+        self.search.search(self.x, np.zeros(len(self.x)))
+        move = np.zeros_like(self.search.positions)
+        move[len(self.x) :] = wanted * share[:, None]
+        factor = safe_factors(self.search.positions, move, *self.search.body)[len(self.x) :]
+        done = share * factor
+        # Full moves land on the target itself, so that the avatar ends exactly in its true shape.
+        moved = np.where(done[:, None] == 1.0, target, self.avatar.vertices + wanted * done[:, None])
+        self.avatar.move_to(np.ascontiguousarray(moved))
+        self.avatar.motion = np.zeros(len(moved))
+        self.anchor[len(self.x) :] = moved
+        self.search.expire()
+        return float(np.linalg.norm(target - moved, axis=1).max())
+
+    def safe_move(self, wanted: Float) -> Float:
+        """Move nodes by `wanted` [m] as far as is safe; return the share each node moved, shape (n,)."""
+        length = np.linalg.norm(wanted, axis=1)
+        move, _ = self._safe(wanted, np.inf)
+        self.x += move
+        return np.where(length > 0.0, np.linalg.norm(move, axis=1) / np.maximum(length, 1e-300), 1.0)
+
+    def _slide_anchors(self, contacts: Contacts | None) -> None:
+        """Let friction anchors follow: free nodes take them along, sliding ones drag them at slip length."""
+        if contacts is None:
+            return
+        count = len(self.x)
+        touching = np.zeros(count, bool)
+        used = contacts.nodes[contacts.nodes >= 0]
+        touching[used] = True
+        offset = self.x - self.anchor[:count]
+        length = np.linalg.norm(offset, axis=1)
+        keep = np.where(touching, np.minimum(1.0, self.options.slip / np.maximum(length, 1e-300)), 0.0)
+        self.anchor[:count] = self.x - offset * keep[:, None]
+
+
+def _joined(stencils: list[ContactStencils]) -> ContactStencils:
+    if len(stencils) == 1:
+        return stencils[0]
+    return ContactStencils(
+        *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
+    )
+
+
+def _scatter_contact_forces(contacts: Contacts, gradient: Float) -> None:
+    """Subtract contact forces from a gradient."""
+    for corner in range(4):
+        nodes = contacts.nodes[:, corner]
+        real = nodes >= 0
+        for axis in range(3):
+            gradient[:, axis] -= np.bincount(
+                nodes[real], weights=(contacts.weights[real, corner] * contacts.force[real, axis]),
+                minlength=len(gradient),
+            )  # fmt: skip
+
+
+def _shortest_edge(cloth: Cloth) -> Float:
+    """Shortest rest edge at every node [m], shape (n,)."""
+    shortest = np.full(len(cloth.positions), np.inf)
+    faces = cloth.face_nodes
+    for k in range(3):
+        edge = np.linalg.norm(cloth.rest_corners[:, k] - cloth.rest_corners[:, (k + 1) % 3], axis=1)
+        np.minimum.at(shortest, faces[:, k], edge)
+        np.minimum.at(shortest, faces[:, (k + 1) % 3], edge)
+    return shortest
