@@ -16,7 +16,7 @@ SHRINK = 1e-5
 
 @dataclass(frozen=True)
 class Crossings:
-    """Crossing face pairs: against the avatar (cloth face, avatar face) and within the cloth, shape (k, 2)."""
+    """Crossing face pairs: (cloth face, avatar face) and within the cloth, shape (k, 2)."""
 
     avatar: Int
     cloth: Int

@@ -32,6 +32,11 @@ def stacked(parts: list[tuple[Float, Int]]) -> tuple[Float, Int]:
     return np.ascontiguousarray(positions), np.ascontiguousarray(faces, np.int32)
 
 
+def vertices(count: int) -> Int:
+    """Indices of all vertices, shape (count,)."""
+    return np.arange(count, dtype=np.int32)
+
+
 def edges_of(faces: Int) -> Int:
     """Every edge once, smaller vertex first, shape (e, 2)."""
     both = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from tests.collide.surfaces import all_edge_edges, all_vertex_faces, crumpled, edges_of, sheet, stacked
+from tests.collide.surfaces import (
+    all_edge_edges,
+    all_vertex_faces,
+    crumpled,
+    edges_of,
+    sheet,
+    stacked,
+    vertices,
+)
 from toile.collide.edge_edge import closest_parameters
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.surface import surface_of
@@ -78,12 +86,12 @@ def test_the_list_is_brute_force(seed: int) -> None:
     shifted = body_faces + len(x)
     edges, body_edges = edges_of(faces), edges_of(shifted)
 
-    vertex_faces = all_vertex_faces(np.arange(len(x)), faces)
+    vertex_faces = all_vertex_faces(vertices(len(x)), faces)
     assert listed(search.cloth[0], 0) == brute_force(p, vertex_faces, 0, reach, welded)
     assert listed(search.cloth[1], 1) == brute_force(p, all_edge_edges(edges), 1, reach, welded)
 
     against = np.concatenate(
-        [all_vertex_faces(np.arange(len(x)), shifted), all_vertex_faces(np.arange(len(x), len(p)), faces)]
+        [all_vertex_faces(vertices(len(x)), shifted), all_vertex_faces(vertices(len(p))[len(x) :], faces)]
     )
     assert listed(search.body[0], 0) == brute_force(p, against, 0, reach, welded)
     across = np.concatenate(
@@ -103,7 +111,7 @@ def test_the_list_covers_the_allowed_motion(seed: int) -> None:
     search = ContactSearch(faces, weld, avatar, self_contact=True, radius=RADIUS)
     motion = generator.uniform(0.0, 0.02, size=len(x))
     search.search(x, motion)
-    vertex_faces = all_vertex_faces(np.arange(len(x)), faces)
+    vertex_faces = all_vertex_faces(vertices(len(x)), faces)
     edge_edges = all_edge_edges(edges_of(faces))
     names = listed(search.cloth[0], 0), listed(search.cloth[1], 1)
     for _ in range(3):

@@ -1,9 +1,17 @@
-"""The guard: whatever the wanted motion, the shortened one lets no pair meet, and it holds back nothing else."""
+"""The guard: the shortened motion lets no pair meet, and what need not be held back is not."""
 
 import numpy as np
 import pytest
 
-from tests.collide.surfaces import all_edge_edges, all_vertex_faces, crumpled, edges_of, sheet, stacked
+from tests.collide.surfaces import (
+    all_edge_edges,
+    all_vertex_faces,
+    crumpled,
+    edges_of,
+    sheet,
+    stacked,
+    vertices,
+)
 from tests.collide.test_candidates import distance
 from toile.collide import guard
 from toile.collide.guard import FLOOR, KEPT_SHARE, safe_factors
@@ -16,12 +24,12 @@ NONE = np.empty((0, 4), np.int32)
 
 
 def all_pairs(positions: Float, faces: Int) -> tuple[Int, Int]:
-    return all_vertex_faces(np.arange(len(positions)), faces), all_edge_edges(edges_of(faces))
+    return all_vertex_faces(vertices(len(positions)), faces), all_edge_edges(edges_of(faces))
 
 
 def comes_closer(p: Float, move: Float, row: Int, kind: int, limit: float) -> bool:
     """Whether a pair comes closer than `limit` on the way: steps no longer than the distance allows."""
-    local, way, first = p[row], move[row] - move[row].mean(axis=0), np.arange(4)
+    local, way, first = p[row], move[row] - move[row].mean(axis=0), vertices(4)
     speed = np.linalg.norm(way, axis=1)
     split = 1 if kind == 0 else 2
     closing = float(speed[:split].max() + speed[split:].max())
@@ -206,7 +214,7 @@ def test_common_motion_is_not_limited(speed: float) -> None:
 
 @pytest.mark.parametrize("gap", [1e-4, 1e-3, 1e-2])
 def test_sliding_and_parting(gap: float) -> None:
-    """Parting is free; sliding is free up to the faces ahead, at least by 1.6 gaps (at 45 degrees to an edge)."""
+    """Parting is free; sliding is free up to the faces ahead, at least by 1.6 gaps."""
     flat, faces = sheet(4, 0.02)
     points, both = stacked([(flat, faces), (flat + np.array([0.003, gap, 0.004]), faces)])
     move = np.zeros_like(points)
