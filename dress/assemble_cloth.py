@@ -7,6 +7,9 @@ from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
 from toile.geometry.arrays import Int
 
+WAIST_LABELS = ("lower_interface", "strapless_top")
+SHOULDER_LABELS = ("left_collar", "right_collar", "left_armhole", "right_armhole")
+
 
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
     """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
@@ -24,11 +27,12 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
     stitches = np.concatenate(
         [mesh.stitches.reshape(-1, 2) + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
     ).astype(np.int32)
-    held = [
-        vertices + offset
-        for (mesh, _), offset in zip(garments, offsets, strict=False)
-        for vertices in mesh.held.values()
-    ]
+    held, waist = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
+    for (mesh, _), offset in zip(garments, offsets, strict=False):
+        held += [vertices + offset for vertices in mesh.held.values()]
+        # What hangs from the shoulders finds its own height; what sits on the waist needs friction first.
+        if not any(label in mesh.held for label in SHOULDER_LABELS):
+            waist += [mesh.held[label] + offset for label in WAIST_LABELS if label in mesh.held]
 
     def per_face(values: list[int], kind: type) -> np.ndarray:  # type: ignore[type-arg]
         return np.concatenate(
@@ -51,7 +55,8 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
             [mesh.seam + seam for (mesh, _), seam in zip(garments, seams, strict=False)]
         ).astype(np.int32),
         stitch_length=np.linalg.norm(positions[stitches[:, 0]] - positions[stitches[:, 1]], axis=1),
-        held=np.unique(np.concatenate([*held, np.empty(0, np.int32)])).astype(np.int32),
+        held=np.unique(np.concatenate(held)).astype(np.int32),
+        waist=np.unique(np.concatenate(waist)).astype(np.int32),
         pinned=pinned,
         rest_curved=per_face([not mesh.flat for mesh, _ in garments], np.bool_),
         start_positions=positions.copy(),

@@ -32,7 +32,6 @@ GROWTH_RADIUS = 0.006
 CONTACT_STIFFNESS = 2e6
 """Pressure per depth of contact [Pa/m]: a tight garment's 500 Pa sinks in 0.25 mm."""
 SLIP = 1e-3
-EARTH = 9.81
 PEAK_OVER_RMS = 10.0
 
 
@@ -72,7 +71,7 @@ def drape(
                 frame=frame.index,
                 faces=len(frame.cloth.faces),
                 contacts=frame.contacts,
-                residual=_residual(frame.rms_motion, plan),
+                residual=frame.rms_motion,
                 seconds=time.perf_counter() - started,
                 max_frames=options.max_frames,
             )
@@ -86,7 +85,7 @@ def drape(
         failure = Failure(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
-    return _outcome(run, plan, garments, failure, tuple(notes))
+    return _outcome(run, garments, failure, tuple(notes))
 
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
@@ -95,7 +94,6 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
     on_body = (
         max(fabric.friction_body for fabric in fabrics) if options.friction is None else options.friction
     )
-    rms = options.tolerance * EARTH * DrapePlan.longest_step**2
     return DrapePlan(
         step=StepOptions(
             gravity=options.gravity,
@@ -112,19 +110,13 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
             self_contact=not options.self_contact or any(options.self_contact),
         ),
         max_steps=options.max_frames * STEPS_PER_FRAME,
-        rms_motion=rms,
-        peak_motion=PEAK_OVER_RMS * rms,
+        rms_motion=options.tolerance,
+        peak_motion=PEAK_OVER_RMS * options.tolerance,
     )
-
-
-def _residual(rms_motion: float, plan: DrapePlan) -> float:
-    """RMS motion of a longest step from rest, as a share of free fall in that time: unbalanced weight."""
-    return float(rms_motion / (EARTH * plan.longest_step**2))
 
 
 def _outcome(
     run: Drape,
-    plan: DrapePlan,
     garments: list[tuple[GarmentMesh, Fabric]],
     failure: Failure | None,
     notes: tuple[str, ...],
@@ -184,7 +176,7 @@ def _outcome(
         warp_strain_max=float(strain[:, 0].max()),
         weft_strain_max=float(strain[:, 1].max()),
         strain_p99=float(np.quantile(strain, 0.99)),
-        residual=_residual(record.rms_motion, plan),
+        residual=record.rms_motion,
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(

@@ -89,8 +89,7 @@ class DrapeFigures:
     warp_strain_max, weft_strain_max, strain_p99
         Strain along the threads in the final frame: largest, and 99th percentile of both [%].
     residual
-        How far from rest: RMS node motion of a long step from rest, as a share of free fall in that time,
-        which is the share of the cloth's weight that is not in balance.
+        How far from rest: RMS node motion over the last output frame [m].
     """
 
     frames: int

@@ -19,7 +19,7 @@ class Quality:
     max_frames
         Frames after which a drape that has not converged stops.
     tolerance
-        Residual below which a drape counts as converged [fraction of the cloth's weight].
+        RMS node motion over an output frame below which a drape counts as converged [m].
     """
 
     name: str
@@ -31,9 +31,9 @@ class Quality:
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="preview", edge_length=0.016, max_frames=50, tolerance=5e-4),
-        Quality(name="standard", edge_length=0.010, max_frames=80, tolerance=2e-4),
-        Quality(name="accurate", edge_length=0.007, max_frames=160, tolerance=1e-4),
+        Quality(name="preview", edge_length=0.016, max_frames=50, tolerance=1e-3),
+        Quality(name="standard", edge_length=0.010, max_frames=80, tolerance=4e-4),
+        Quality(name="accurate", edge_length=0.007, max_frames=160, tolerance=2e-4),
     )
 }
 

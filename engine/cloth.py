@@ -44,6 +44,8 @@ class Cloth:
         Length of every remaining stitch when sewing began [m], shape (s,).
     held
         Nodes kept at their height while seams close, shape (k,).
+    waist
+        Nodes kept at their start height until friction can hold the garment, shape (k,).
     pinned
         Nodes that never move, shape (n,).
     rest_curved
@@ -64,6 +66,7 @@ class Cloth:
     seam: Int
     stitch_length: Float
     held: Int
+    waist: Int
     pinned: Bool
     rest_curved: Bool
     start_positions: Float
@@ -136,5 +139,6 @@ class Cloth:
             seam=self.seam[~closed][open_],
             stitch_length=self.stitch_length[~closed][open_],
             held=np.unique(label[self.held]).astype(np.int32),
+            waist=np.unique(label[self.waist]).astype(np.int32),
             pinned=pinned,
         )

@@ -14,6 +14,7 @@ import numpy as np
 from toile.collide.audit import Auditor, Crossings
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth import Cloth
+from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.step import ClothStepper, StageClock, StepOptions, StepOutcome, StepRequest
 from toile.engine.zipper import zipper_distance
 from toile.geometry.arrays import Bool, Float, Int
@@ -64,9 +65,10 @@ class DrapePlan:
         Farthest that the avatar grows in a step, and how far a vertex may lag before the rest waits [m].
     easing_steps
         Steps without gravity and friction before the garment settles.
+    waist_stiffness
+        Stiffness that keeps waistbands at their height meanwhile [N/m].
     rms_motion, peak_motion
-        Equilibrium: largest RMS and 99.9th percentile node motion of a step from rest of size
-        longest_step [m].
+        Equilibrium: largest RMS and 99.9th percentile node motion over a frame of longest steps [m].
     cg_tolerance
         Relative residual of the linear solver.
     """
@@ -92,9 +94,10 @@ class DrapePlan:
     tighten_stiffness: float = 50.0
     growth_per_step: float = 0.005
     easing_steps: int = 20
+    waist_stiffness: float = 20.0
     growth_lag: float = 0.002
-    rms_motion: float = 1e-4
-    peak_motion: float = 1e-3
+    rms_motion: float = 3e-4
+    peak_motion: float = 3e-3
     cg_tolerance: float = 1e-2
 
 
@@ -221,8 +224,6 @@ class Drape:
         record.cg_iterations += outcome.cg_iterations
         record.contacts_max = max(record.contacts_max, outcome.contacts)
         record.simulated_seconds += request.h
-        record.rms_motion = float(np.sqrt(np.mean(outcome.moved**2)))
-        record.peak_motion = float(np.quantile(outcome.moved, 0.999))
         if record.steps % self.plan.steps_per_frame == 0:
             self._close_frame(outcome.contacts)
         return outcome
@@ -278,7 +279,7 @@ class Drape:
     def _sew(self) -> None:
         plan = self.plan
         holds = self._stepper.holds
-        assert holds is not None
+        assert isinstance(holds, SewingHolds)
         self._slide_in_plane()
         if self._stopped():
             return
@@ -382,11 +383,14 @@ class Drape:
             self._stepper.radius_body[:] = radius.max()
             self._let_pass(self._ghost)
 
-    def _merge_late(self) -> None:
-        """Every few steps, merge stitches that have closed since."""
-        if len(self.cloth.stitches) and self.record.steps % self.plan.steps_per_frame == 0:
-            if (self._gaps() < self.plan.merge_gap).any():
-                self._merge()
+    def _merge_late(self) -> bool:
+        """Every few steps, merge stitches that have closed since; return whether any were."""
+        if not len(self.cloth.stitches) or self.record.steps % self.plan.steps_per_frame:
+            return False
+        count = len(self.cloth.stitches)
+        if (self._gaps() < self.plan.merge_gap).any():
+            self._merge()
+        return len(self.cloth.stitches) < count
 
     def _relax_tangles(self) -> None:
         """Let the garment pull itself smooth, without gravity, until nothing crosses any more."""
@@ -399,46 +403,55 @@ class Drape:
             )  # fmt: skip
 
     def _ease(self) -> None:
-        """Let a garment that closing and growing have stretched slide into place before friction holds it."""
-        h = self.plan.sewing_step
-        for _ in range(self.plan.easing_steps):
+        """Let the garment slide into place before friction holds it; waistbands stay at their height."""
+        plan = self.plan
+        stepper = self._stepper
+        waist = self.cloth.waist
+        start = np.empty_like(stepper.x)
+        start[self.cloth.node] = self.cloth.start_positions
+        stepper.holds = Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1)))
+        h = plan.sewing_step
+        for _ in range(plan.easing_steps):
             if self._stopped():
                 return
             self._take(
                 StepRequest(
-                    h=h, at_rest=True, gravity=0.0, friction=False,
-                    stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
+                    h=h, at_rest=True, friction=False, hold_stiffness=plan.waist_stiffness,
+                    stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
                 )
             )  # fmt: skip
-            h = min(1.2 * h, self.plan.longest_step)
+            h = min(1.2 * h, plan.longest_step)
+        stepper.holds = None
 
     def _settle(self) -> None:
-        plan = self.plan
+        """Step to equilibrium: no node moves any more over a whole frame of long steps."""
+        plan, record = self.plan, self.record
         h = plan.settling_step
-        calm = 0
+        before = self._stepper.x.copy()
+        long_steps = 0
         while not self._stopped():
-            self._merge_late()
-            self._take(
+            if self._merge_late():
+                before, long_steps = self._stepper.x.copy(), 0
+            outcome = self._take(
                 StepRequest(
                     h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
                 )
             )  # fmt: skip
-            record = self.record
-            if (
-                h >= plan.longest_step
-                and record.rms_motion < plan.rms_motion
-                and record.peak_motion < plan.peak_motion
-            ):
-                calm += 1
-                if calm >= 3:
-                    record.converged = True
-                    break
-            else:
-                calm = 0
-            if record.peak_motion < 0.01:
+            peak = float(np.quantile(outcome.moved, 0.999))
+            long_steps = long_steps + 1 if h >= plan.longest_step else 0
+            if peak < 0.01:
                 h = min(h * 1.2, plan.longest_step)
-            elif record.peak_motion > 0.025:
+            elif peak > 0.025:
                 h = max(h / 1.5, plan.settling_step)
+            if record.steps % plan.steps_per_frame == 0:
+                motion = np.linalg.norm(self._stepper.x - before, axis=1)
+                before = self._stepper.x.copy()
+                record.rms_motion = float(np.sqrt(np.mean(motion**2)))
+                record.peak_motion = float(np.quantile(motion, 0.999))
+                if long_steps >= plan.steps_per_frame and record.rms_motion < plan.rms_motion:
+                    record.converged = record.peak_motion < plan.peak_motion
+            if record.converged:
+                break
 
 
 def node_mask(count: int, nodes: Int) -> Bool:

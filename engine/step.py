@@ -18,7 +18,7 @@ from toile.engine.cg import solve
 from toile.engine.cloth import Cloth
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
-from toile.engine.forces.hold import SewingHolds
+from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.tighten import Tightening
@@ -163,7 +163,7 @@ class ClothStepper:
         self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
         self.stitch_length = cloth.stitch_length
         self.tightening: Tightening | None = None
-        self.holds: SewingHolds | None = None
+        self.holds: Holds | None = None
         if len(cloth.stitches):
             normals = vertex_normals(self.x, faces)
             self.holds = SewingHolds(self.x, normals, cloth.weld, cloth.stitches, cloth.held)
