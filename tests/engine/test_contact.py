@@ -144,14 +144,14 @@ def test_friction_is_the_derivative_of_its_energy_and_obeys_coulomb(slid: float)
 
 
 def incline(
-    degrees: float, friction: float, *, seconds: float, h: float = 1.0 / 240.0
+    degrees: float, friction: float, *, seconds: float, h: float = 1.0 / 480.0
 ) -> tuple[Float, Float]:
     """Slide a stiff square of cloth on a tilted avatar; return times [s] and distances downhill [m]."""
     angle = np.radians(degrees)
     tilt = np.array(
         [(np.cos(angle), np.sin(angle), 0.0), (-np.sin(angle), np.cos(angle), 0.0), (0.0, 0.0, 1.0)]
     )
-    ground, ground_faces = sheet(5, 0.5)
+    ground, ground_faces = sheet(36, 0.021)
     ground = (ground - ground.mean(axis=0)) @ tilt
     points, faces = sheet(4, 0.02)
     rest = np.ascontiguousarray(points[:, [0, 2]][faces])
