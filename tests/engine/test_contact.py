@@ -144,7 +144,7 @@ def test_friction_is_the_derivative_of_its_energy_and_obeys_coulomb(slid: float)
 
 
 def incline(
-    degrees: float, friction: float, *, seconds: float, h: float = 1.0 / 480.0
+    degrees: float, friction: float, *, seconds: float, h: float = 1.0 / 240.0
 ) -> tuple[Float, Float]:
     """Slide a stiff square of cloth on a tilted avatar; return times [s] and distances downhill [m]."""
     angle = np.radians(degrees)
@@ -169,7 +169,7 @@ def incline(
         cloth, AvatarSurface(np.ascontiguousarray(ground), ground_faces), options, StageClock()
     )
     downhill = -tilt[0]
-    request = StepRequest(h=h, at_rest=False, newton=4, cg_tolerance=1e-6, newton_tolerance=1e-9)
+    request = StepRequest(h=h, at_rest=False, newton=20, cg_tolerance=1e-6, newton_tolerance=1e-9)
     times, distances = [], []
     for step in range(round(seconds / h)):
         stepper.step(request)
@@ -227,4 +227,4 @@ def test_a_block_slides_with_coulombs_acceleration(degrees: float, friction: flo
     expected = GRAVITY * (np.sin(angle) - friction * np.cos(angle))
     half = len(times) // 2
     fit = np.polyfit(times[half:], distance[half:], 2)
-    assert 2.0 * fit[0] == pytest.approx(expected, rel=0.05)
+    assert 2.0 * fit[0] == pytest.approx(expected, rel=0.01)
