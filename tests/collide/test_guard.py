@@ -169,7 +169,7 @@ def test_the_candidates_of_the_search_are_enough() -> None:
     )
     whole_faces = np.concatenate([faces, body_faces + len(points)])
     x = points.copy()
-    for _ in range(25):
+    for _ in range(12):
         move = 0.004 * generator.normal(size=x.shape) - 0.006 * normal
         length = np.linalg.norm(move, axis=1)
         if not search.covers(x, length):
