@@ -8,18 +8,16 @@ import pytest
 
 from examples.dress_mannequin import main
 
-FEW_FRAMES = 12
-
 
 @pytest.mark.skipif(
     importlib.util.find_spec("toile.dress.drape") is None, reason="toile/dress/drape.py is not there yet"
 )
 def test_example_drapes_without_crossings(tmp_path: Path) -> None:
-    result = main(str(tmp_path), quality="preview", max_frames=FEW_FRAMES)
+    result = main(str(tmp_path), quality="preview")
 
-    assert result.status in {"converged", "frame_limit"}
-    assert result.report["frames"] <= FEW_FRAMES
+    assert result.status == "converged"
     assert result.report["intersections"] == {"avatar": 0, "self": 0, "worst_frame": 0}
+    assert result.report["min_gap_mm"] > 0.0
     written = {path.name for path in tmp_path.iterdir()}
     assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj"} <= written
     (shirt,) = result.garments
