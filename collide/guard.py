@@ -3,8 +3,8 @@
 For a pair at distance d > 0 with normal n (from one primitive's closest point to the other's), the convex
 primitives keep apart along n for the whole straight motion if they are apart along n at its end: each
 side's extreme is a minimum (maximum) of linear functions of time. So a pair is safe if its separation
-along n at the end is at least a kept share of d. Motion together is not limited at all, and motion along a
-surface only by the faces ahead, to 1.6 gaps at worst. Where a pair is not safe, only the vertices that
+along n at the end is at least a kept share of d; any other plane between the two serves as well. Motion
+together is not limited at all, and motion along a surface hardly. Where a pair is not safe, only the vertices that
 approach are shortened; factors only ever decrease, and each cut is checked again until all pairs are safe.
 
 Related: displacement bounds of offset geometric contact (Chen et al. 2025), which limit every direction.
@@ -24,11 +24,65 @@ FLOOR = 2e-5
 MAX_SWEEPS = 60
 
 
-@kernel(types.int64(F64_2, F64_1, I32_2, types.int64, OUT_I32_1, OUT_F64_2))
-def _planes(p, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-def]
-    """Collect the pairs that the motion could bring together, with normal, distance and offsets.
+@helper
+def _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, distance, plane, row):  # type: ignore[no-untyped-def]
+    """Write the plane with normal n into a row if it separates the pair better at the end than the one there.
 
-    plane rows: n (3), d, then each vertex's distance behind its own support plane (4). Returns their count.
+    Every plane that separates the pair at the start is valid: which one is kept decides only how much motion
+    it allows.
+    """
+    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
+    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
+    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
+    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
+    mi = nx * move[i, 0] + ny * move[i, 1] + nz * move[i, 2]
+    mj = nx * move[j, 0] + ny * move[j, 1] + nz * move[j, 2]
+    mk = nx * move[k, 0] + ny * move[k, 1] + nz * move[k, 2]
+    mm = nx * move[m, 0] + ny * move[m, 1] + nz * move[m, 2]
+    if kind == 0:
+        low = hi
+        top = max(hj, hk, hm)
+        end = hi + mi - max(hj + mj, hk + mk, hm + mm)
+    else:
+        low = min(hi, hj)
+        top = max(hk, hm)
+        end = min(hi + mi, hj + mj) - max(hk + mk, hm + mm)
+    # Along the closest points' normal the separation is their distance, less a rounding error.
+    apart = min(distance, low - top)
+    keep = max(KEPT_SHARE * distance, min(distance, FLOOR))
+    margin = end - keep
+    if plane[row, 8] >= margin:
+        return
+    plane[row, 0] = nx
+    plane[row, 1] = ny
+    plane[row, 2] = nz
+    plane[row, 3] = apart
+    plane[row, 4] = hi - low
+    plane[row, 5] = top - hj if kind == 0 else hj - low
+    plane[row, 6] = top - hk
+    plane[row, 7] = top - hm
+    plane[row, 8] = margin
+    plane[row, 9] = keep
+
+
+@helper
+def _separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Separation of a pair along n: positive if a plane with normal n lies between its two sides."""
+    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
+    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
+    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
+    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
+    if kind == 0:
+        return hi - max(hj, hk, hm)
+    return min(hi, hj) - max(hk, hm)
+
+
+@kernel(types.int64(F64_2, F64_2, F64_1, I32_2, types.int64, OUT_I32_1, OUT_F64_2))
+def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-def]
+    """Collect the pairs that the motion could bring together, each with a separating plane.
+
+    plane rows: n (3), separation, each vertex's distance behind its own support plane (4), margin at the
+    end of the full motion, separation to keep. Returns the count of pairs.
     """
     count = 0
     for row in range(pairs.shape[0]):
@@ -47,35 +101,26 @@ def _planes(p, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-de
             continue
         active[count] = row
         inverse = 1.0 / max(d, 1e-300)
-        nx = x * inverse
-        ny = y * inverse
-        nz = z * inverse
-        plane[count, 0] = nx
-        plane[count, 1] = ny
-        plane[count, 2] = nz
-        plane[count, 3] = d
-        hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
-        hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
-        hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
-        hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
-        if kind == 0:
-            top = max(hj, hk, hm)
-            plane[count, 4] = 0.0
-            plane[count, 5] = top - hj
-            plane[count, 6] = top - hk
-            plane[count, 7] = top - hm
-        else:
-            low = min(hi, hj)
-            top = max(hk, hm)
-            plane[count, 4] = hi - low
-            plane[count, 5] = hj - low
-            plane[count, 6] = top - hk
-            plane[count, 7] = top - hm
-        # The true separation along n can be a rounding error smaller than d.
-        if kind == 0:
-            plane[count, 3] = min(d, hi - top)
-        else:
-            plane[count, 3] = min(d, low - top)
+        plane[count, 8] = -np.inf
+        _set_plane(p, move, kind, i, j, k, m, x * inverse, y * inverse, z * inverse, d, plane, count)
+        if plane[count, 8] < 0.0:
+            # Sliding past an edge or a face ahead, the closest points' normal points sideways: the
+            # normal of the face, or of the two edges, often separates the pair as well and lets it pass.
+            if kind == 0:
+                ax, ay, az = p[k, 0] - p[j, 0], p[k, 1] - p[j, 1], p[k, 2] - p[j, 2]
+                bx, by, bz = p[m, 0] - p[j, 0], p[m, 1] - p[j, 1], p[m, 2] - p[j, 2]
+            else:
+                ax, ay, az = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
+                bx, by, bz = p[m, 0] - p[k, 0], p[m, 1] - p[k, 1], p[m, 2] - p[k, 2]
+            nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            size = length(nx, ny, nz)
+            if size > 0.0:
+                size = size if nx * x + ny * y + nz * z >= 0.0 else -size
+                nx /= size
+                ny /= size
+                nz /= size
+                if _separation(p, kind, i, j, k, m, nx, ny, nz) > 2.0 * KEPT_SHARE * d:
+                    _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, d, plane, count)
         count += 1
     return count
 
@@ -116,7 +161,7 @@ def _sweep(move, pairs, kind, active, plane, count, final, factor):  # type: ign
                 approach_a = max(approach_a, reached)
             else:
                 approach_b = max(approach_b, reached)
-        slack = max(d - max(KEPT_SHARE * d, min(d, FLOOR)), 0.0)
+        slack = max(d - plane[c, 9], 0.0)
         if final:
             # Fixed middle plane: stays true whatever other cuts do.
             allowed_a = 0.5 * slack
@@ -159,8 +204,8 @@ def safe_factors(p: Float, move: Float, vertex_face: Int, edge_edge: Int) -> Flo
         if len(pairs) == 0:
             continue
         active = np.empty(len(pairs), np.int32)
-        plane = np.empty((len(pairs), 8))
-        count = _planes(p, reach, pairs, kind, active, plane)
+        plane = np.empty((len(pairs), 10))
+        count = _planes(p, move, reach, pairs, kind, active, plane)
         if count:
             sets.append((pairs, kind, active[:count], plane[:count], count))
     for sweep in range(MAX_SWEEPS + 1):

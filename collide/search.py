@@ -129,8 +129,11 @@ class ContactSearch:
         used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
         return bool((used + motion <= self._allowed).all())
 
-    def search(self, x: Float, motion: Float) -> None:
-        """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x."""
+    def search(self, x: Float, motion: Float, *, body_only: bool = False) -> None:
+        """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
+
+        `body_only` leaves the pairs within the cloth as they were: enough to move the avatar alone.
+        """
         self.place(x)
         self._origin = x.copy()
         self._allowed = motion.copy()
@@ -141,7 +144,7 @@ class ContactSearch:
         else:
             bvh.refit(self._tree, self._boxes)
         self.rebuilds += 1
-        if self._self_contact:
+        if self._self_contact and not body_only:
             self.cloth = find_candidates(
                 self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, None, self._boxes, self._tree,
                 self._reach,

@@ -155,7 +155,7 @@ class Drape:
         self.record = DrapeRecord()
         self._surface = None if avatar is None else AvatarSurface(*avatar)
         self._target = None if avatar is None else grown
-        self._auditor = self._make_auditor()
+        self._auditor: Auditor | None = None
         self._stepper = ClothStepper(cloth, self._surface, plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
         self._ghost = np.zeros(len(cloth.node), bool)
@@ -181,9 +181,12 @@ class Drape:
             self._close_frame(0)
         return self.record
 
-    def _make_auditor(self) -> Auditor:
-        surface = self._surface
-        return Auditor(None, None) if surface is None else Auditor(surface.vertices, surface.faces)
+    def _audit(self) -> Crossings:
+        """Crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
+        stepper, surface = self._stepper, self._surface
+        if self._auditor is None:
+            self._auditor = Auditor(None, None) if surface is None else Auditor(surface.vertices, surface.faces)
+        return self._auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
 
     def _grow(self, target: Float) -> None:
         """Let the avatar take on its true shape while the cloth gives way.
@@ -203,7 +206,7 @@ class Drape:
                 share = min(1.0, share + plan.growth_per_step / longest)
             shape = target if share == 1.0 else start + share * (target - start)
             left = self._stepper.grow_avatar(shape, 2.0 * plan.growth_per_step)
-            self._auditor = self._make_auditor()
+            self._auditor = None
             self._take(
                 StepRequest(
                     h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
@@ -233,7 +236,7 @@ class Drape:
         now = perf_counter()
         stepper = self._stepper
         self.cloth = replace(self.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy())
-        crossings = self._auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
+        crossings = self._audit()
         counts = (len(crossings.avatar), len(crossings.cloth))
         self.record.crossings.append(counts)
         if self.phase == "settling":
@@ -334,7 +337,7 @@ class Drape:
         if not self._ghost.any():
             return True
         stepper = self._stepper
-        crossing = self._auditor.audit(stepper.x, stepper.faces, self.cloth.weld).cloth
+        crossing = self._audit().cloth
         if len(crossing):
             self._let_pass(self._around(stepper.faces[crossing.ravel()].ravel()))
             return False

@@ -334,7 +334,7 @@ class ClothStepper:
         self.radius_body[:] = self.options.growth_radius
         share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
         self.avatar.motion = length * share
-        self.search.search(self.x, np.zeros(len(self.x)))
+        self.search.search(self.x, np.zeros(len(self.x)), body_only=True)
         move = np.zeros_like(self.search.positions)
         move[len(self.x) :] = wanted * share[:, None]
         factor = safe_factors(self.search.positions, move, *self.search.body)[len(self.x) :]
