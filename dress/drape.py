@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from toile.collide.shrunken import shrunken
+from toile.dress.arms import drawn_in_arms
 from toile.dress.assemble_cloth import assemble_cloth
 from toile.dress.avatar import Avatar
 from toile.dress.drape_types import (
@@ -19,7 +20,7 @@ from toile.dress.drape_types import (
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
-from toile.engine.drape import STEPS_PER_FRAME, Drape, DrapePlan, Frame
+from toile.engine.drape import STEPS_PER_FRAME, Drape, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.step import StepOptions
@@ -29,6 +30,8 @@ SHRINK = 0.04
 BODY_RADIUS = 0.002
 SELF_RADIUS = 0.001
 GROWTH_RADIUS = 0.006
+GROWTH_PER_STEP = 0.005
+ARMS_PER_STEP = 0.03
 CONTACT_STIFFNESS = 2e6
 """Pressure per depth of contact [Pa/m]: a tight garment's 500 Pa sinks in 0.25 mm."""
 SLIP = 1e-3
@@ -53,6 +56,12 @@ def drape(
     started = time.perf_counter()
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
     notes: list[str] = []
+    growth = [Growth(vertices=avatar.vertices, per_step=GROWTH_PER_STEP)]
+    drawn = drawn_in_arms(thin, avatar, [mesh for mesh, _ in garments])
+    if drawn is not None:
+        growth.insert(0, Growth(vertices=thin, per_step=ARMS_PER_STEP))
+        thin = drawn
+        notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
     placed = []
     for mesh, fabric in garments:
         lifted, said = lift_over_shoulders(mesh, (thin, avatar.faces))
@@ -77,7 +86,7 @@ def drape(
             )
         )
 
-    run = Drape(cloth, (thin, avatar.faces), avatar.vertices, plan, relay)
+    run = Drape(cloth, (thin, avatar.faces), growth, plan, relay)
     failure = None
     try:
         run.run()

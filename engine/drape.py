@@ -61,8 +61,8 @@ class DrapePlan:
         Cloth this close to a stitch that cannot close may pass through itself until it is disentangled [m].
     tighten_stiffness
         Stiffness of the springs that pull tangled cloth smooth [N/m].
-    growth_per_step, growth_lag
-        Farthest that the avatar grows in a step, and how far a vertex may lag before the rest waits [m].
+    growth_lag
+        How far a vertex of the growing avatar may lag before the rest waits [m].
     easing_steps
         Steps without gravity and friction before the garment settles.
     waist_stiffness
@@ -92,13 +92,20 @@ class DrapePlan:
     patience: int = 12
     jam_radius: float = 0.03
     tighten_stiffness: float = 50.0
-    growth_per_step: float = 0.005
     easing_steps: int = 20
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002
     rms_motion: float = 3e-4
     peak_motion: float = 3e-3
     cg_tolerance: float = 1e-2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Growth:
+    """A shape the avatar takes on, vertices (v, 3) [m], and how far it may move in a step [m]."""
+
+    vertices: Float
+    per_step: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,12 +147,12 @@ class DrapeRecord:
 class Drape:
     """A drape in progress: call `run`.
 
-    The avatar is given as it is while seams close (vertices, faces); `grown` are the vertices of its true
-    shape, which it takes on before the garment settles (None: it has it already).
+    The avatar is given as it is while seams close (vertices, faces); `growth` lists the shapes it then takes
+    on one after the other, the last being its true one (none: it has it already).
     """
 
     def __init__(
-        self, cloth: Cloth, avatar: tuple[Float, Int] | None, grown: Float | None, plan: DrapePlan,
+        self, cloth: Cloth, avatar: tuple[Float, Int] | None, growth: list[Growth], plan: DrapePlan,
         on_frame: Callable[[Frame], bool],
     ) -> None:  # fmt: skip
         self.cloth = cloth
@@ -154,7 +161,7 @@ class Drape:
         self.clock = StageClock()
         self.record = DrapeRecord()
         self._surface = None if avatar is None else AvatarSurface(*avatar)
-        self._target = None if avatar is None else grown
+        self._growth = growth
         self._auditor: Auditor | None = None
         self._stepper = ClothStepper(cloth, self._surface, plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
@@ -169,9 +176,13 @@ class Drape:
         self._close_frame(0)
         if self.phase == "sewing":
             self._sew()
-        if not self._stopped() and self._target is not None:
-            self.phase = "growing"
-            self._grow(self._target)
+        if len(self._growth) > 1:
+            self._relax_tangles()
+            self._ease()
+        for shape in self._growth:
+            if not self._stopped():
+                self.phase = "growing"
+                self._grow(shape.vertices, shape.per_step)
         self._relax_tangles()
         self._ease()
         if not self._stopped():
@@ -188,7 +199,7 @@ class Drape:
             self._auditor = Auditor(None, None) if surface is None else Auditor(surface.vertices, surface.faces)
         return self._auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
 
-    def _grow(self, target: Float) -> None:
+    def _grow(self, target: Float, per_step: float) -> None:
         """Let the avatar take on its true shape while the cloth gives way.
 
         It grows evenly: where cloth holds it back the rest waits, or its free parts would form a ledge
@@ -203,9 +214,9 @@ class Drape:
         while not self._stopped():
             self._merge_late()
             if left < plan.growth_lag:
-                share = min(1.0, share + plan.growth_per_step / longest)
+                share = min(1.0, share + per_step / longest)
             shape = target if share == 1.0 else start + share * (target - start)
-            left = self._stepper.grow_avatar(shape, 2.0 * plan.growth_per_step)
+            left = self._stepper.grow_avatar(shape, 2.0 * per_step)
             self._auditor = None
             self._take(
                 StepRequest(
@@ -318,12 +329,12 @@ class Drape:
                 return
         self._merge()
 
-    def _around(self, nodes: Int) -> Bool:
-        """Mark material vertices within jam_radius of nodes, along the cloth, shape (m,)."""
+    def _around(self, nodes: Int, widening: float = 1.0) -> Bool:
+        """Mark material vertices within `widening` jam radii of nodes, along the cloth, shape (m,)."""
         faces = self._stepper.faces
         marked = node_mask(len(self._stepper.x), nodes)
         edge = float(np.sqrt(2.0 * self.cloth.rest_area.mean()))
-        for _ in range(int(np.ceil(self.plan.jam_radius / edge))):
+        for _ in range(int(np.ceil(widening * self.plan.jam_radius / edge))):
             marked[faces[marked[faces].any(axis=1)].ravel()] = True
         return np.asarray(marked[self.cloth.node])
 
@@ -332,14 +343,17 @@ class Drape:
         self._ghost = ghost
         self._stepper.let_pass(node_mask(len(self._stepper.x), self.cloth.node[ghost]))
 
-    def _disentangle(self) -> bool:
-        """Make cloth that no longer crosses itself solid again; return whether all of it is."""
+    def _disentangle(self, effort: float = 1.0) -> bool:
+        """Make cloth that no longer crosses itself solid again; return whether all of it is.
+
+        The patch that stays passable around a crossing grows with the square root of `effort`.
+        """
         if not self._ghost.any():
             return True
         stepper = self._stepper
         crossing = self._audit().cloth
         if len(crossing):
-            self._let_pass(self._around(stepper.faces[crossing.ravel()].ravel()))
+            self._let_pass(self._around(stepper.faces[crossing.ravel()].ravel(), np.sqrt(effort)))
             return False
         self._let_pass(np.zeros_like(self._ghost))
         return True
@@ -396,14 +410,24 @@ class Drape:
         return len(self.cloth.stitches) < count
 
     def _relax_tangles(self) -> None:
-        """Let the garment pull itself smooth, without gravity, until nothing crosses any more."""
-        while not self._stopped() and not self._disentangle():
-            self._take(
-                StepRequest(
-                    h=self.plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
-                    stitch_stiffness=self.plan.late_stiffness, tighten_stiffness=self.plan.tighten_stiffness, cg_tolerance=self.plan.cg_tolerance,
-                )
-            )  # fmt: skip
+        """Pull tangled cloth smooth, without gravity, until nothing crosses any more.
+
+        Whatever resists is pulled harder, over a wider patch, from frame to frame.
+        """
+        plan = self.plan
+        effort = 1.0
+        while not self._stopped() and not self._disentangle(effort):
+            for _ in range(plan.steps_per_frame):
+                if self._stopped():
+                    return
+                self._take(
+                    StepRequest(
+                        h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
+                        stitch_stiffness=plan.late_stiffness, tighten_stiffness=effort * plan.tighten_stiffness,
+                        cg_tolerance=plan.cg_tolerance,
+                    )
+                )  # fmt: skip
+            effort = min(2.0 * effort, 16.0)
 
     def _ease(self) -> None:
         """Let the garment slide into place before friction holds it; waistbands stay at their height."""

@@ -78,7 +78,14 @@ def _evaluate(  # type: ignore[no-untyped-def]
         nx = x / d
         ny = y / d
         nz = z / d
-        patch = abs(w[0]) * area[i] + abs(w[1]) * area[j] + abs(w[2]) * area[k] + abs(w[3]) * area[m]
+        # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
+        patch = abs(w[0]) * area[i]
+        other = abs(w[2]) * area[k] + abs(w[3]) * area[m]
+        if kind == 0:
+            other += abs(w[1]) * area[j]
+        else:
+            patch += abs(w[1]) * area[j]
+        patch = 2.0 * min(patch, other)
         scale = 0.5 * kappa * patch
         if d >= 0.5 * r:
             push = scale * (r - d)
