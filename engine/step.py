@@ -5,7 +5,6 @@ positive semi-definite Hessians. A first iteration from x0 is the linearly impli
 Witkin (1998). Every displacement passes the guard, so no pair ever meets.
 """
 
-from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -22,116 +21,11 @@ from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.tighten import Tightening
-from toile.engine.linear_system import ContactStencils, LinearSystem
+from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
-from toile.geometry.arrays import Bool, Float, Int
-
-
-@dataclass(frozen=True, kw_only=True)
-class StepOptions:
-    """Numbers of the implicit step that do not change during a drape.
-
-    Attributes
-    ----------
-    gravity
-        Downward acceleration [m/s^2].
-    radius_body, radius_self
-        Contact radius against the avatar and within the cloth [m].
-    law_body, law_self
-        Contact laws against the avatar and within the cloth.
-    growth_radius
-        Contact radius against the avatar while it grows [m]: the farther the cloth keeps ahead of the
-        growing body, the faster the body may grow.
-    slip
-        Elastic slip of friction [m]: how far a sticking contact gives before it slides.
-    self_contact
-        Whether the cloth can touch itself.
-    """
-
-    gravity: float
-    radius_body: float
-    radius_self: float
-    law_body: ContactLaw
-    law_self: ContactLaw
-    growth_radius: float
-    slip: float
-    self_contact: bool
-
-
-@dataclass(frozen=True, kw_only=True)
-class StepRequest:
-    """What one step is to do.
-
-    Attributes
-    ----------
-    h
-        Step size [s].
-    at_rest
-        Start from zero velocity and return none: the step seeks equilibrium.
-    gravity
-        Share of gravity that acts, 0 to 1.
-    stitch_share
-        Share of their first length that open stitches shall keep, 0 to 1, one for all or shape (s,).
-    stitch_stiffness
-        Stiffness of a stitch [N/m].
-    stitch_reach
-        Largest elongation of a stitch [m]: bounds its force.
-    hold_stiffness
-        Stiffness of a hold [N/m]; 0 lets go.
-    tighten_stiffness
-        Stiffness of the springs that pull tangled cloth smooth [N/m].
-    friction
-        Whether friction acts.
-    newton
-        Newton iterations at most.
-    newton_tolerance
-        Stop iterating when no node moved farther than this [m].
-    cg_tolerance, cg_iterations
-        Relative residual and iteration limit of the linear solver.
-    motion_max
-        Longest motion of a node in one Newton iteration [m].
-    """
-
-    h: float
-    at_rest: bool
-    gravity: float = 1.0
-    stitch_share: Float | float = 0.0
-    stitch_stiffness: float = 0.0
-    stitch_reach: float = 0.02
-    hold_stiffness: float = 0.0
-    tighten_stiffness: float = 0.0
-    friction: bool = True
-    newton: int = 1
-    newton_tolerance: float = 1e-5
-    cg_tolerance: float = 1e-2
-    cg_iterations: int = 300
-    motion_max: float = 0.03
-
-
-@dataclass
-class StepOutcome:
-    """What one step did: motion [m] of the nodes, iterations, how much the guard held back."""
-
-    moved: Float
-    newton_iterations: int = 0
-    cg_iterations: int = 0
-    contacts: int = 0
-    limited: int = 0
-    min_gap: float = np.inf
-
-
-@dataclass
-class StageClock:
-    """Wall seconds spent per stage."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    def add(self, stage: str, since: float) -> float:
-        """Book the time since `since` under `stage`; return now."""
-        now = perf_counter()
-        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
-        return now
+from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
+from toile.geometry.arrays import Bool, Float
 
 
 class ClothStepper:
@@ -159,7 +53,9 @@ class ClothStepper:
             faces, cloth.rest_corners, per_face("stretch_warp"), per_face("stretch_weft"), per_face("shear"),
             per_face("compression"),
         )  # fmt: skip
-        self.bending = Bending.for_cloth(cloth)
+        self.bending: Bending | None = None
+        if any(max(f.bending_warp, f.bending_weft, f.bending_bias) > 0.0 for f in fabrics):
+            self.bending = Bending.for_cloth(cloth)
         self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
         self.stitch_length = cloth.stitch_length
         self.tightening: Tightening | None = None
@@ -250,7 +146,8 @@ class ClothStepper:
             self.blocks[:] = 0.0
             scatter_hessians(self.pattern.slots[0], self.membrane.element_hessian, self.blocks)
             if self.stitches is not None and request.stitch_stiffness > 0.0:
-                self.stitches.evaluate(self.x, self._stitch_target(request), request.stitch_stiffness)
+                target = self._stitch_target(self.stitches, request)
+                self.stitches.evaluate(self.x, target, request.stitch_stiffness)
                 scatter_hessians(self.pattern.slots[1], self.stitches.element_hessian, self.blocks)
             gradient = self.gradient(y, request, contacts)
             stencils = []
@@ -263,8 +160,8 @@ class ClothStepper:
             if self.tightening is not None and request.tighten_stiffness > 0.0:
                 stencils.append(self.tightening.stencils(request.tighten_stiffness))
             self.system.update(
-                self.blocks, node_diagonal, pinned=self.pinned,
-                **({"contacts": _joined(stencils)} if stencils else {}),
+                self.blocks, node_diagonal, contacts=_joined(stencils) if stencils else NO_CONTACTS,
+                pinned=self.pinned,
             )  # fmt: skip
             self.preconditioner.update(self.system, self.x)
             now = self.clock.add("assembly", now)
@@ -286,13 +183,13 @@ class ClothStepper:
         self._slide_anchors(contacts)
         return outcome
 
-    def _stitch_target(self, request: StepRequest) -> Float:
-        """Rest length of every stitch [m]: on schedule, but never so short that a blocked stitch crushes cloth."""
-        gap = np.linalg.norm(self.x[self.stitches.pairs[:, 0]] - self.x[self.stitches.pairs[:, 1]], axis=1)
-        return np.maximum(self.stitch_length * request.stitch_share, gap - request.stitch_reach)
+    def _stitch_target(self, stitches: Stitches, request: StepRequest) -> Float:
+        """Rest length of every stitch [m]: on schedule, but a blocked one pulls no harder than its reach."""
+        gap = np.linalg.norm(self.x[stitches.pairs[:, 0]] - self.x[stitches.pairs[:, 1]], axis=1)
+        return np.asarray(np.maximum(self.stitch_length * request.stitch_share, gap - request.stitch_reach))
 
     def _safe(self, wanted: Float, longest: float) -> tuple[Float, int]:
-        """Shorten a displacement to `longest` and to what is safe; return it and how many nodes were held back."""
+        """Shorten a displacement to `longest` and to what is safe; also count the nodes held back."""
         length = np.linalg.norm(wanted, axis=1)
         scale = np.minimum(1.0, longest / np.maximum(length, 1e-300))
         wanted = wanted * scale[:, None]

@@ -8,7 +8,8 @@ from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
-from toile.engine.step import ClothStepper, StageClock, StepOptions, StepRequest
+from toile.engine.step import ClothStepper
+from toile.engine.step_request import StageClock, StepOptions, StepRequest
 from toile.geometry.arrays import Float, Int
 
 RADIUS = 0.01

@@ -1,0 +1,42 @@
+"""Growing: the avatar takes on its true shape while the sewn garment gives way."""
+
+import numpy as np
+
+from toile.engine.drape_state import DrapeState
+from toile.engine.sewing import merge_late
+from toile.engine.step_request import StepRequest
+from toile.engine.tangles import disentangle
+from toile.geometry.arrays import Float
+
+
+def grow(drape: DrapeState, target: Float, per_step: float) -> None:
+    """Let the avatar take on its true shape while the cloth gives way.
+
+    It grows evenly: where cloth holds it back the rest waits, or its free parts would form a ledge
+    around the cloth.
+    """
+    plan = drape.plan
+    assert drape.surface is not None
+    start = drape.surface.vertices.copy()
+    longest = max(float(np.linalg.norm(target - start, axis=1).max()), 1e-12)
+    share = 0.0
+    left = 0.0
+    while not drape.stopped():
+        merge_late(drape)
+        if left < plan.growth_lag:
+            share = min(1.0, share + per_step / longest)
+        shape = target if share == 1.0 else start + share * (target - start)
+        left = drape.stepper.grow_avatar(shape, 2.0 * per_step)
+        drape.auditor = None
+        drape.take(
+            StepRequest(
+                h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
+                stitch_stiffness=plan.late_stiffness, tighten_stiffness=plan.tighten_stiffness,
+                cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        if share == 1.0 and left == 0.0:
+            break
+        if drape.record.steps % plan.steps_per_frame == 0:
+            disentangle(drape)
+    drape.stepper.grow_avatar(target, 0.0)

@@ -1,0 +1,61 @@
+"""Settling: the garment slides into place, then friction holds it and it steps to equilibrium."""
+
+import numpy as np
+
+from toile.engine.drape_state import DrapeState
+from toile.engine.forces.hold import Holds
+from toile.engine.sewing import merge_late
+from toile.engine.step_request import StepRequest
+
+
+def ease(drape: DrapeState) -> None:
+    """Let the garment slide into place before friction holds it; waistbands stay at their height."""
+    plan = drape.plan
+    stepper = drape.stepper
+    waist = drape.cloth.waist
+    start = np.empty_like(stepper.x)
+    start[drape.cloth.node] = drape.cloth.start_positions
+    stepper.holds = Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1)))
+    h = plan.sewing_step
+    for _ in range(plan.easing_steps):
+        if drape.stopped():
+            return
+        drape.take(
+            StepRequest(
+                h=h, at_rest=True, friction=False, hold_stiffness=plan.waist_stiffness,
+                stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        h = min(1.2 * h, plan.longest_step)
+    stepper.holds = None
+
+
+def settle(drape: DrapeState) -> None:
+    """Step to equilibrium: no node moves any more over a whole frame of long steps."""
+    plan, record = drape.plan, drape.record
+    h = plan.settling_step
+    before = drape.stepper.x.copy()
+    long_steps = 0
+    while not drape.stopped():
+        if merge_late(drape):
+            before, long_steps = drape.stepper.x.copy(), 0
+        outcome = drape.take(
+            StepRequest(
+                h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        peak = float(np.quantile(outcome.moved, 0.999))
+        long_steps = long_steps + 1 if h >= plan.longest_step else 0
+        if peak < 0.01:
+            h = min(h * 1.2, plan.longest_step)
+        elif peak > 0.025:
+            h = max(h / 1.5, plan.settling_step)
+        if record.steps % plan.steps_per_frame == 0:
+            motion = np.linalg.norm(drape.stepper.x - before, axis=1)
+            before = drape.stepper.x.copy()
+            record.rms_motion = float(np.sqrt(np.mean(motion**2)))
+            record.peak_motion = float(np.quantile(motion, 0.999))
+            if long_steps >= plan.steps_per_frame and record.rms_motion < plan.rms_motion:
+                record.converged = record.peak_motion < plan.peak_motion
+        if record.converged:
+            break

@@ -1,0 +1,115 @@
+"""What a step is asked to do and what it did."""
+
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from toile.engine.forces.contact import ContactLaw
+from toile.geometry.arrays import Float
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepOptions:
+    """Numbers of the implicit step that do not change during a drape.
+
+    Attributes
+    ----------
+    gravity
+        Downward acceleration [m/s^2].
+    radius_body, radius_self
+        Contact radius against the avatar and within the cloth [m].
+    law_body, law_self
+        Contact laws against the avatar and within the cloth.
+    growth_radius
+        Contact radius against the avatar while it grows [m]: the farther the cloth keeps ahead of the
+        growing body, the faster the body may grow.
+    slip
+        Elastic slip of friction [m]: how far a sticking contact gives before it slides.
+    self_contact
+        Whether the cloth can touch itself.
+    """
+
+    gravity: float
+    radius_body: float
+    radius_self: float
+    law_body: ContactLaw
+    law_self: ContactLaw
+    growth_radius: float
+    slip: float
+    self_contact: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepRequest:
+    """What one step is to do.
+
+    Attributes
+    ----------
+    h
+        Step size [s].
+    at_rest
+        Start from zero velocity and return none: the step seeks equilibrium.
+    gravity
+        Share of gravity that acts, 0 to 1.
+    stitch_share
+        Share of their first length that open stitches shall keep, 0 to 1, one for all or shape (s,).
+    stitch_stiffness
+        Stiffness of a stitch [N/m].
+    stitch_reach
+        Largest elongation of a stitch [m]: bounds its force.
+    hold_stiffness
+        Stiffness of a hold [N/m]; 0 lets go.
+    tighten_stiffness
+        Stiffness of the springs that pull tangled cloth smooth [N/m].
+    friction
+        Whether friction acts.
+    newton
+        Newton iterations at most.
+    newton_tolerance
+        Stop iterating when no node moved farther than this [m].
+    cg_tolerance, cg_iterations
+        Relative residual and iteration limit of the linear solver.
+    motion_max
+        Longest motion of a node in one Newton iteration [m].
+    """
+
+    h: float
+    at_rest: bool
+    gravity: float = 1.0
+    stitch_share: Float | float = 0.0
+    stitch_stiffness: float = 0.0
+    stitch_reach: float = 0.02
+    hold_stiffness: float = 0.0
+    tighten_stiffness: float = 0.0
+    friction: bool = True
+    newton: int = 1
+    newton_tolerance: float = 1e-5
+    cg_tolerance: float = 1e-2
+    cg_iterations: int = 300
+    motion_max: float = 0.03
+
+
+@dataclass
+class StepOutcome:
+    """What one step did: motion [m] of the nodes, iterations, how much the guard held back."""
+
+    moved: Float
+    newton_iterations: int = 0
+    cg_iterations: int = 0
+    contacts: int = 0
+    limited: int = 0
+    min_gap: float = np.inf
+
+
+@dataclass
+class StageClock:
+    """Wall seconds spent per stage."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, stage: str, since: float) -> float:
+        """Book the time since `since` under `stage`; return now."""
+        now = perf_counter()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
+        return now
