@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 
+import numba
 import numpy as np
 
 from toile.collide.shrunken import shrunken
@@ -20,10 +21,11 @@ from toile.dress.drape_types import (
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
-from toile.engine.drape import STEPS_PER_FRAME, Drape, DrapePlan, Frame, Growth
+from toile.engine.drape import Drape
+from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
-from toile.engine.step import StepOptions
+from toile.engine.step_request import StepOptions
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -54,6 +56,7 @@ def drape(
         A garment starts in a way that cannot be repaired.
     """
     started = time.perf_counter()
+    numba.set_num_threads(min(options.threads, numba.config.NUMBA_NUM_THREADS))
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
     notes: list[str] = []
     growth = [Growth(vertices=avatar.vertices, per_step=GROWTH_PER_STEP)]
@@ -170,7 +173,7 @@ def _outcome(
     counts = record.node_counts
     faces = len(cloth.faces)
     figures = DrapeFigures(
-        frames=len(record.crossings),
+        frames=len(record.crossings) - 1,
         simulated_seconds=record.simulated_seconds,
         steps=record.steps,
         newton_iterations=record.newton_iterations,

@@ -25,11 +25,12 @@ class DrapeOptions:
     friction
         Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
     threads
-        Threads the kernels may use.
+        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
+        neither results nor speed depend on it yet.
     pins
         Material vertices held where they start, one array per garment.
     self_contact
-        Per garment: may it touch itself? False leaves its self-contact search out.
+        Per garment: may it touch itself and other garments? The search is left out when none may.
     """
 
     edge_length: float
@@ -70,7 +71,7 @@ class DrapeFigures:
     Attributes
     ----------
     frames, steps, newton_iterations, cg_iterations
-        Counts.
+        Counts; the start is not a frame.
     simulated_seconds
         Simulated time [s].
     stage_seconds

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,7 @@ def dress(
     if say is not None:
         for note in avatar.notes:
             say(f"{avatar.name}: {note}")
+    compile_seconds = _load_kernels(scene, folder is not None, say)
     form = DressForm(avatar)
     meshes = [
         load_garment(garment, name, form, edge_length)
@@ -82,13 +84,10 @@ def dress(
         ),
         self_contact=tuple(garment.self_contact for garment in scene.garments),
     )
-    io_seconds = time.perf_counter() - wall
+    io_seconds = time.perf_counter() - wall - compile_seconds
 
     from toile.dress.drape import drape
-    from toile.geometry.kernel import WARM
 
-    if say is not None and not WARM:
-        say("compiling kernels (once)")
     cloth = list(zip(meshes, cloth_fabrics, strict=True))
     outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
     if say is not None:
@@ -113,10 +112,29 @@ def dress(
         wall_seconds=time.perf_counter() - wall,
         cpu_seconds=time.process_time() - cpu,
         io_seconds=io_seconds,
+        compile_seconds=compile_seconds,
     )
     if folder is not None:
         save_report(folder, report)
     return Result(status=outcome.status, report=report, avatar=avatar, garments=garments)
+
+
+def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:
+    """Import what a scene needs of the modules that hold kernels; return the seconds that took.
+
+    Kernels are compiled when they are imported for the first time, and loaded from disk afterwards.
+    """
+    started = time.perf_counter()
+    from toile.geometry.kernel import WARM
+
+    if say is not None and not WARM:
+        say("compiling kernels (once)")
+    import_module("toile.dress.drape")
+    if any(not isinstance(garment.source, GarmentMesh) for garment in scene.garments):
+        import_module("toile.dress.pattern_mesh")
+    if draws:
+        import_module("toile.dress.preview")
+    return time.perf_counter() - started
 
 
 def load_scene_avatar(scene: Scene) -> Avatar:

@@ -43,6 +43,8 @@ def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
             return entry.name, f"must be greater than zero, got {value:g}"
         if value < 0.0:
             return entry.name, f"must not be negative, got {value:g}"
+        if entry.name == "compression" and value > 1.0:
+            return entry.name, f"is a share and must not exceed 1, got {value:g}"
     return None
 
 

@@ -25,10 +25,15 @@ def drape_report(
     wall_seconds: float,
     cpu_seconds: float,
     io_seconds: float,
+    compile_seconds: float,
 ) -> dict[str, Any]:
-    """Return the report as plain data, numbers that are not finite replaced by None."""
+    """Return the report as plain data, numbers that are not finite replaced by None.
+
+    `compile_seconds` is the time to load the kernels: to compile them where that was not done before.
+    """
     stages = {stage: 0.0 for stage in STAGES} | dict(figures.stage_seconds)
     stages["io"] += io_seconds
+    stages["compile"] += compile_seconds
     report = {
         "status": status,
         "failure": None

@@ -49,7 +49,8 @@ class Garment:
     name
         Name in output files; None takes it from the source.
     self_contact
-        False leaves out the garment's contact with itself.
+        False leaves out contact of cloth with cloth. It only takes effect when all garments of the scene
+        opt out: garments are searched together.
     pins
         Edge labels (such as "lower_interface") and numbers of material vertices held in place.
     warp_angle
@@ -95,7 +96,8 @@ class Scene:
     friction
         Coulomb coefficient against the avatar for all garments; None takes each fabric's.
     threads
-        Threads the kernels may use. The result does not depend on it.
+        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
+        neither the result nor the speed depends on it yet.
     """
 
     garments: Sequence[Garment]

@@ -28,7 +28,7 @@ Paths are relative to the scene file.
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import MISSING, asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +66,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "source": (str, "built-in name, GarmentCode .json, or .obj, .ply, .glb mesh"),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
-        "self_contact": (bool, "false leaves out the garment's contact with itself"),
+        "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "turn of the warp direction [degrees], or panel = degrees"),
         "units": (str, "m, cm or mm of a mesh file"),
@@ -232,8 +232,7 @@ class _SceneReader:
                 raise self._error((*place, "like"), unknown_name("fabric", values["like"], fabrics()))
             base = asdict(fabrics()[values["like"]])
         given = {key: value for key, value in values.items() if key != "like"}
-        optional = {"friction_body", "friction_self", "damping"}
-        needed = {entry.name for entry in fields(Fabric)} - optional - {"name"}
+        needed = {entry.name for entry in fields(Fabric) if entry.default is MISSING} - {"name"}
         missing = sorted(needed - base.keys() - given.keys())
         if missing:
             raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")

@@ -22,11 +22,9 @@ class Fabric:
     shear
         Shear stiffness [N/m].
     compression
-        Share of the stretch stiffness that acts in compression, where threads and fine wrinkles buckle.
+        Share of the stretch stiffness that acts in compression, 0 to 1: threads and fine wrinkles buckle.
     friction_body, friction_self
         Coulomb coefficients against the avatar and against cloth.
-    damping
-        Stiffness-proportional damping time [s].
     """
 
     name: str
@@ -41,4 +39,3 @@ class Fabric:
     compression: float = 0.02
     friction_body: float = 0.35
     friction_self: float = 0.3
-    damping: float = 0.002

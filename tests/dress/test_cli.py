@@ -15,6 +15,7 @@ import trimesh
 import toile
 from toile.dress.avatar import Avatar
 from toile.dress.cli import main
+from toile.dress.quality import quality_preset
 
 FakeDrapes = Callable[..., Any]
 FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply"}
@@ -68,7 +69,7 @@ def test_outputs(
     ((avatar, [(mesh, fabric)], asked),) = fake.calls
     assert fabric.name == "canvas"
     assert asked.max_frames == 9
-    assert asked.edge_length == 0.018
+    assert asked.edge_length == quality_preset("preview").edge_length
     assert avatar.vertices[:, 1].max() == pytest.approx(1.7, abs=0.01)
     # The garment's files are in the avatar file's units and axes, dressed.glb is in metres, Y up.
     written = trimesh.load(out / "shirt.ply", process=False)

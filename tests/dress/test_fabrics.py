@@ -38,7 +38,9 @@ def test_unknown_name_suggests_the_nearest() -> None:
         ("stretch_warp", -1.0, "greater than zero"),
         ("areal_density", 0.0, "greater than zero"),
         ("shear", -3.0, "must not be negative"),
-        ("damping", float("nan"), "finite"),
+        ("friction_self", float("nan"), "finite"),
+        ("compression", -0.1, "must not be negative"),
+        ("compression", 1.5, "must not exceed 1"),
     ],
 )
 def test_unphysical_fields_are_named(field: str, value: float, problem: str) -> None:

@@ -40,6 +40,7 @@ def make(**changes: Any) -> dict[str, Any]:
         "wall_seconds": 3.0,
         "cpu_seconds": 2.0,
         "io_seconds": 0.5,
+        "compile_seconds": 0.125,
     }
     return drape_report(**{**values, **changes})
 
@@ -58,6 +59,7 @@ def test_every_promised_key_is_there() -> None:
     assert report["strain_percent"] == {"warp_max": 1.0, "weft_max": 2.0, "p99": 0.5}
     assert set(report["stage_seconds"]) == {"assembly", "solve", "contact", "remesh", "io", "compile"}
     assert report["stage_seconds"]["io"] == 0.75
+    assert report["stage_seconds"]["compile"] == 0.125
     assert report["contacts_max"] == 5
 
 

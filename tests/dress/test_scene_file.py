@@ -5,6 +5,7 @@ import pytest
 from toile.dress.scene import AvatarFile, MannequinSize
 from toile.dress.scene_file import load_scene, scene_keys_help
 from toile.dress.toml_lines import LineNumbers
+from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
 
 FULL = """\
@@ -100,6 +101,22 @@ def test_mistakes_name_their_line(tmp_path: Path, text: str, message: str) -> No
         load_scene(write(tmp_path, text))
     assert str(caught.value).startswith(str(tmp_path / "scene.toml"))
     assert "\n" not in str(caught.value)
+
+
+def test_own_fabric_needs_only_what_has_no_default(tmp_path: Path) -> None:
+    table = (
+        "areal_density = 0.1\nthickness = 2e-4\n"
+        "bending_warp = 5e-6\nbending_weft = 5e-6\nbending_bias = 5e-6\n"
+        "stretch_warp = 3000\nstretch_weft = 3000\nshear = 60\n"
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(GARMENT + "[fabric.a]\n" + table)
+    assert load_scene(path).fabrics["a"].compression == Fabric.compression
+    path.write_text(GARMENT + "[fabric.a]\n" + table + "compression = 0.5\n")
+    assert load_scene(path).fabrics["a"].compression == 0.5
+    path.write_text(GARMENT + "[fabric.a]\n" + table + "compression = 2\n")
+    with pytest.raises(InputError, match="compression is a share and must not exceed 1, got 2"):
+        load_scene(path)
 
 
 def test_missing_file() -> None:
