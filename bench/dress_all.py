@@ -93,8 +93,9 @@ def table(rows: list[dict[str, Any]]) -> str:
         if row["status"] == "error":
             reason = row["message"]
         lines.append(
-            f"| {row['name']} | {row['body']} | {row['status']} | {row.get('avatar', '')} | {row.get('self', '')} "
-            f"| {row.get('worst_frame', '')} | {row.get('nodes', '')} | {row.get('steps', '')} "
+            f"| {row['name']} | {row['body']} | {row['status']} "
+            f"| {row.get('avatar', '')} | {row.get('self', '')} | {row.get('worst_frame', '')} "
+            f"| {row.get('nodes', '')} | {row.get('steps', '')} "
             f"| {row.get('cpu_seconds', '')} | {reason} |"
         )
     count = len(rows)
@@ -125,9 +126,12 @@ def main() -> int:
             name, garment, body_file(options.data, body), options.out, options.quality, options.timeout
         )
         rows.append(row)
-        print(f"{row['name']:45s} {row['status']:12s} {row.get('avatar')}/{row.get('self')} worst {row.get('worst_frame')} "
-              f"cpu {row.get('cpu_seconds')} {row.get('failure') or row['message'] * (row['status'] == 'error')}",
-              flush=True)  # fmt: skip
+        reason = row.get("failure") or (row["message"] if row["status"] == "error" else "")
+        print(
+            f"{row['name']:45s} {row['status']:12s} {row.get('avatar')}/{row.get('self')} "
+            f"worst {row.get('worst_frame')} cpu {row.get('cpu_seconds')} {reason}",
+            flush=True,
+        )
         (options.out / "table.json").write_text(json.dumps(rows, indent=1))
         (options.out / "table.md").write_text(table(rows))
     print(table(rows).splitlines()[-1])

@@ -137,8 +137,8 @@ def find_candidates(
         vertex_face = np.empty((capacity, 4), np.int32)
         edge_edge = np.empty((capacity, 4), np.int32)
         found = _emit(
-            p, weld, ghost, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge, reach,
-            vertex_face, edge_edge,
+            p, weld, ghost, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge,
+            reach, vertex_face, edge_edge,
         )  # fmt: skip
         if max(found) <= capacity:
             return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()

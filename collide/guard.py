@@ -4,8 +4,9 @@ For a pair at distance d > 0 with normal n (from one primitive's closest point t
 primitives keep apart along n for the whole straight motion if they are apart along n at its end: each
 side's extreme is a minimum (maximum) of linear functions of time. So a pair is safe if its separation
 along n at the end is at least a kept share of d; any other plane between the two serves as well. Motion
-together is not limited at all, and motion along a surface hardly. Where a pair is not safe, only the vertices that
-approach are shortened; factors only ever decrease, and each cut is checked again until all pairs are safe.
+together is not limited at all, and motion along a surface hardly. Where a pair is not safe, only the
+vertices that approach are shortened; factors only ever decrease, and each cut is checked again until all
+pairs are safe.
 
 Related: displacement bounds of offset geometric contact (Chen et al. 2025), which limit every direction.
 """

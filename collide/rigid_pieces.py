@@ -1,4 +1,4 @@
-"""Rigid surface pieces against each other and the avatar, by FCL: do they cross when shifted?"""
+"""Whether rigid surface pieces cross each other or the avatar when shifted, by FCL."""
 
 import fcl
 import numpy as np

@@ -66,7 +66,9 @@ class AvatarSurface:
         """A third of the area of the faces around each vertex [m^2], shape (v,)."""
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        return np.bincount(self.faces.ravel(), weights=np.repeat(area / 3.0, 3), minlength=len(self.vertices))
+        shares = np.repeat(area / 3.0, 3)
+        count = len(self.vertices)
+        return np.asarray(np.bincount(self.faces.ravel(), weights=shares, minlength=count), np.float64)
 
 
 class ContactSearch:
@@ -125,7 +127,7 @@ class ContactSearch:
         self._origin[:] = np.nan
 
     def covers(self, x: Float, motion: Float) -> bool:
-        """Whether the candidates hold every pair that can meet when nodes at x move by at most `motion` [m]."""
+        """Whether the candidates hold every pair that can meet while nodes at x move at most `motion` [m]."""
         used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
         return bool((used + motion <= self._allowed).all())
 
@@ -146,13 +148,13 @@ class ContactSearch:
         self.rebuilds += 1
         if self._self_contact and not body_only:
             self.cloth = find_candidates(
-                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, None, self._boxes, self._tree,
-                self._reach,
+                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, None,
+                self._boxes, self._tree, self._reach,
             )  # fmt: skip
         if self._avatar is not None and self._avatar_surface is not None:
             self._reach[self._count :] = 0.5 * self._radius + self._avatar.motion
             tree = self._avatar.tree(self._reach[self._count :])
             self.body = find_candidates(
-                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, self._avatar_surface,
-                self._avatar.boxes, tree, self._reach,
+                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree,
+                self._avatar_surface, self._avatar.boxes, tree, self._reach,
             )  # fmt: skip

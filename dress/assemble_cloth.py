@@ -1,5 +1,7 @@
 """Garment meshes of a scene become one Cloth."""
 
+from typing import Any
+
 import numpy as np
 
 from toile.dress.garment_mesh import GarmentMesh
@@ -34,7 +36,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         if not any(label in mesh.held for label in SHOULDER_LABELS):
             waist += [mesh.held[label] + offset for label in WAIST_LABELS if label in mesh.held]
 
-    def per_face(values: list[int], kind: type) -> np.ndarray:  # type: ignore[type-arg]
+    def per_face(values: list[int], kind: type) -> Any:
         return np.concatenate(
             [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
         )

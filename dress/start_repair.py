@@ -63,8 +63,8 @@ def clear_panels(
             if shift is None:
                 mesh, name = names[index]
                 raise InputError(
-                    f"garment {mesh.name}: panel {name} cuts the body or another panel and cannot be moved clear "
-                    f"within {FARTHEST:g} m; move its translation in the pattern away from the body"
+                    f"garment {mesh.name}: panel {name} cuts the body or another panel and cannot be "
+                    f"moved clear within {FARTHEST:g} m; move its translation in the pattern farther out"
                 )
             pieces.shift[index] += shift
             changed = True
@@ -89,7 +89,7 @@ def clear_panels(
 def lift_over_shoulders(
     mesh: GarmentMesh, avatar: tuple[Float, Int] | None
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Lift the garment by the least height at which the fewest stitches run through the avatar; say how far."""
+    """Lift a garment by the least height at which the fewest stitches run through the avatar; say how far."""
     if avatar is None or not mesh.flat or not len(mesh.stitches):
         return mesh, ()
     test = SegmentTest(avatar)
@@ -115,7 +115,7 @@ def lift_over_shoulders(
 
 
 def _outward(corners: Float) -> Float:
-    """Unit normal of a flat panel's faces (t, 3, 3), on the right side, which faces away from the body."""
+    """Return the unit normal of a flat panel's faces (t, 3, 3), on the right side, away from the body."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
     return np.asarray(normal / np.linalg.norm(normal))
 

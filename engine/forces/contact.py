@@ -54,7 +54,8 @@ class Contacts:
 @kernel(
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
-        types.float64, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_3, OUT_F64_1, OUT_F64_1,
+        types.float64, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_3, OUT_F64_1,
+        OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
@@ -168,7 +169,8 @@ class ContactLaw:
 
 def evaluate_contacts(
     p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
-    radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw, slip: float,
+    radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
+    slip: float,
 ) -> Contacts:  # fmt: skip
     """Evaluate all candidate pairs at positions p.
 

@@ -1,4 +1,4 @@
-"""Holds: springs that keep nodes near a place while seams close, so that the garment closes where it was put."""
+"""Holds: springs that keep nodes near a place, so that the garment closes where it was put."""
 
 import numpy as np
 
