@@ -80,24 +80,34 @@ class ContactSearch:
         Cloth nodes followed by avatar vertices [m]: the array that all pairs index.
     body, cloth
         (vertex-face, edge-edge) candidates against the avatar and within the cloth.
+    radius_body
+        Contact radius against the avatar that the next search covers [m].
     rebuilds
         How many times candidates were searched anew.
     """
 
     def __init__(
-        self, face_nodes: Int, weld: Int, avatar: AvatarSurface | None, *, self_contact: bool, radius: float
+        self,
+        face_nodes: Int,
+        weld: Int,
+        avatar: AvatarSurface | None,
+        *,
+        self_contact: bool,
+        radius_self: float,
+        radius_body: float,
     ) -> None:
         self._surface = surface_of(face_nodes)
         self._avatar = avatar
         self._self_contact = self_contact
-        self._radius = radius
+        self._radius_self = radius_self
+        self.radius_body = radius_body
         count = len(weld)
         others = 0 if avatar is None else len(avatar.vertices)
         self._count = count
         self.positions = np.empty((count + others, 3))
         self._weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
         self._ghost = np.zeros(count + others, bool)
-        self._reach = np.full(count + others, 0.5 * radius)
+        self._reach = np.zeros(count + others)
         self._avatar_surface: Surface | None = None
         if avatar is not None:
             self.positions[count:] = avatar.vertices
@@ -123,13 +133,16 @@ class ContactSearch:
         self.expire()
 
     def expire(self) -> None:
-        """Make the next `covers` answer no: the avatar has moved."""
+        """Make all allowances void: the avatar has moved."""
         self._origin[:] = np.nan
 
-    def covers(self, x: Float, motion: Float) -> bool:
-        """Whether the candidates hold every pair that can meet while nodes at x move at most `motion` [m]."""
+    def allowance(self, x: Float) -> Float:
+        """How far each node may still move from x before the candidates are incomplete [m], shape (n,).
+
+        Negative where a node has moved too far already; not a number before the first search.
+        """
         used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
-        return bool((used + motion <= self._allowed).all())
+        return self._allowed - used
 
     def search(self, x: Float, motion: Float, *, body_only: bool = False) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
@@ -139,7 +152,7 @@ class ContactSearch:
         self.place(x)
         self._origin = x.copy()
         self._allowed = motion.copy()
-        self._reach[: self._count] = 0.5 * self._radius + motion
+        self._reach[: self._count] = 0.5 * self._radius_self + motion
         _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
         if self._tree is None:
             self._tree = bvh.build(self._boxes)
@@ -152,7 +165,7 @@ class ContactSearch:
                 self._boxes, self._tree, self._reach,
             )  # fmt: skip
         if self._avatar is not None and self._avatar_surface is not None:
-            self._reach[self._count :] = 0.5 * self._radius + self._avatar.motion
+            self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
             tree = self._avatar.tree(self._reach[self._count :])
             self.body = find_candidates(
                 self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree,

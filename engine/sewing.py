@@ -103,7 +103,7 @@ def merge(drape: DrapeState) -> None:
     if closed.any():
         radius = stepper.radius_body.copy()
         drape.restart(replace(cloth, positions=stepper.x.copy()).merged(closed))
-        drape.stepper.radius_body[:] = radius.max()
+        drape.stepper.set_body_radius(float(radius.max()))
         let_pass(drape, drape.ghost)
 
 

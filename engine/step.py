@@ -27,6 +27,12 @@ from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
+MOTION_AHEAD = 1.5
+LEAST_ALLOWANCE = 1e-3
+"""Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
+FEW = 0.02
+"""Share of nodes that may be held back for want of candidates rather than search anew."""
+
 
 class ClothStepper:
     """Forces, matrix pattern and contact search of one topology; makes steps on its cloth."""
@@ -69,7 +75,6 @@ class ClothStepper:
         self.preconditioner: Preconditioner = make_preconditioner(self.system)
         self.blocks = self.pattern.zeros()
         weld = cloth.weld
-        radius = max(options.radius_body, options.radius_self)
         self.search: ContactSearch | None = None
         if avatar is not None or options.self_contact:
             self.search = ContactSearch(
@@ -77,7 +82,8 @@ class ClothStepper:
                 weld,
                 avatar,
                 self_contact=options.self_contact,
-                radius=max(radius, options.growth_radius),
+                radius_self=options.radius_self,
+                radius_body=options.radius_body,
             )
             others = 0 if avatar is None else len(avatar.vertices)
             self.area = np.concatenate(
@@ -93,9 +99,8 @@ class ClothStepper:
         """Find and evaluate contacts at the current positions."""
         if self.search is None:
             return None
-        none = np.zeros(len(self.x))
-        if not self.search.covers(self.x, none):
-            self.search.search(self.x, 1.3 * self._motion + 5e-4)
+        if not (self.search.allowance(self.x) > 0.0).all():
+            self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
         self.search.place(self.x)
         friction = request.friction
         law_body, law_self = self.options.law_body, self.options.law_self
@@ -197,8 +202,14 @@ class ClothStepper:
         self._motion = length
         if self.search is None:
             return wanted, 0
-        if not self.search.covers(self.x, length):
-            self.search.search(self.x, 1.3 * length + 5e-4)
+        allowance = self.search.allowance(self.x)
+        short = ~(allowance >= length)
+        if np.count_nonzero(short) > FEW * len(length) or not np.isfinite(allowance).all():
+            self.search.search(self.x, MOTION_AHEAD * length + LEAST_ALLOWANCE)
+        elif short.any():
+            # A few nodes wait: using up their allowance brings about the next search.
+            cut = np.where(short, np.maximum(allowance, 0.0) / np.maximum(length, 1e-300), 1.0)
+            wanted = wanted * cut[:, None]
         self.search.place(self.x)
         move = np.zeros_like(self.search.positions)
         move[: len(self.x)] = wanted
@@ -215,6 +226,13 @@ class ClothStepper:
             self.search.let_pass(ghost)
         self.tightening = Tightening(self.faces, ghost) if ghost.any() else None
 
+    def set_body_radius(self, radius: float) -> None:
+        """Set the contact radius against the avatar [m]."""
+        self.radius_body[:] = radius
+        if self.search is not None and self.search.radius_body != radius:
+            self.search.radius_body = radius
+            self.search.expire()
+
     def grow_avatar(self, target: Float, longest: float) -> float:
         """Move avatar vertices toward `target`, shape (v, 3), by at most `longest` [m] and as far as is safe.
 
@@ -226,9 +244,9 @@ class ClothStepper:
         wanted = target - self.avatar.vertices
         length = np.linalg.norm(wanted, axis=1)
         if length.max() == 0.0:
-            self.radius_body[:] = self.options.radius_body
+            self.set_body_radius(self.options.radius_body)
             return 0.0
-        self.radius_body[:] = self.options.growth_radius
+        self.set_body_radius(self.options.growth_radius)
         share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
         self.avatar.motion = length * share
         self.search.search(self.x, np.zeros(len(self.x)), body_only=True)

@@ -165,14 +165,15 @@ def test_the_candidates_of_the_search_are_enough() -> None:
         np.arange(len(points), dtype=np.int32),
         AvatarSurface(body, body_faces),
         self_contact=True,
-        radius=0.002,
+        radius_self=0.002,
+        radius_body=0.002,
     )
     whole_faces = np.concatenate([faces, body_faces + len(points)])
     x = points.copy()
     for _ in range(12):
         move = 0.004 * generator.normal(size=x.shape) - 0.006 * normal
         length = np.linalg.norm(move, axis=1)
-        if not search.covers(x, length):
+        if not (search.allowance(x) >= length).all():
             search.search(x, 1.3 * length + 5e-4)
         search.place(x)
         p = search.positions.copy()

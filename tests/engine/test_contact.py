@@ -31,7 +31,7 @@ class Scene:
         self.count = len(self.x)
         search = ContactSearch(
             faces, np.arange(self.count, dtype=np.int32), AvatarSurface(body, body_faces),
-            self_contact=True, radius=RADIUS,
+            self_contact=True, radius_self=RADIUS, radius_body=RADIUS,
         )  # fmt: skip
         search.search(self.x, np.full(self.count, 0.001))
         self.body, self.cloth, self.p = search.body, search.cloth, search.positions.copy()
