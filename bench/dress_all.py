@@ -25,13 +25,13 @@ BODY_OF_UPSTREAM = {
 def jobs(data: Path) -> list[tuple[str, Path, str]]:
     """(name, garment file, body) of everything that is to be dressed."""
     found = []
-    bodies = {row["name"]: row["body"] for row in json.loads((data / "patterns/index.json").read_text())}
+    rows = {row["name"]: row for row in json.loads((data / "patterns/index.json").read_text())}
     for path in sorted((data / "patterns").glob("*_specification.json")):
         name = path.name.removesuffix("_specification.json")
-        body = bodies.get(name, "")
-        if not (data / f"bodies/{body}.ply").exists() and not (data / f"bodies/{body}.obj").exists():
-            body = BODY_OF_UPSTREAM[name]
-        if body == "mean_all" and ("pants" in name or "shorts" in name or "jumpsuit" in name):
+        row = rows.get(name, {})
+        body = BODY_OF_UPSTREAM.get(name) or row["body"]
+        # The data's README: trousers drafted on mean_all belong on the body whose legs stand apart.
+        if body == "mean_all" and (row.get("bottom") == "Pants" or name.startswith("js_")):
             body = "mean_all_apart"
         found.append((name, path, body))
     for path in sorted((data / "garments").glob("*.obj")):
