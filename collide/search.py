@@ -142,7 +142,7 @@ class ContactSearch:
         Negative where a node has moved too far already; not a number before the first search.
         """
         used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
-        return self._allowed - used
+        return np.asarray(self._allowed - used)
 
     def search(self, x: Float, motion: Float, *, body_only: bool = False) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
