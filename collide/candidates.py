@@ -68,40 +68,42 @@ def _emit(  # type: ignore[no-untyped-def]
     for row in range(pairs.shape[0]):
         ta = pairs[row, 0]
         tb = pairs[row, 1]
-        for side in range(2):
-            for corner in range(3):
-                if side == 0:
-                    if not vertex_a[ta, corner]:
-                        continue
-                    v, a, b, c = faces_a[ta, corner], faces_b[tb, 0], faces_b[tb, 1], faces_b[tb, 2]
-                else:
-                    if not vertex_b[tb, corner]:
-                        continue
-                    v, a, b, c = faces_b[tb, corner], faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
-                if _is_candidate(p, weld, ghost, 0, v, a, b, c, reach):
-                    if count_vf < vertex_face.shape[0]:
-                        vertex_face[count_vf, 0] = v
-                        vertex_face[count_vf, 1] = a
-                        vertex_face[count_vf, 2] = b
-                        vertex_face[count_vf, 3] = c
-                    count_vf += 1
-        for k in range(3):
-            if not edge_a[ta, k]:
-                continue
-            a = faces_a[ta, k]
-            b = faces_a[ta, (k + 1) % 3]
-            for m in range(3):
-                if not edge_b[tb, m]:
+        # Three vertices of a against b, three of b against a, nine edge pairs: one call site, because a
+        # second one would be inlined and compiled a second time.
+        for test in range(15):
+            kind = 0
+            if test < 3:
+                if not vertex_a[ta, test]:
                     continue
-                c = faces_b[tb, m]
-                d = faces_b[tb, (m + 1) % 3]
-                if _is_candidate(p, weld, ghost, 1, a, b, c, d, reach):
-                    if count_ee < edge_edge.shape[0]:
-                        edge_edge[count_ee, 0] = a
-                        edge_edge[count_ee, 1] = b
-                        edge_edge[count_ee, 2] = c
-                        edge_edge[count_ee, 3] = d
-                    count_ee += 1
+                i, j, k, m = faces_a[ta, test], faces_b[tb, 0], faces_b[tb, 1], faces_b[tb, 2]
+            elif test < 6:
+                if not vertex_b[tb, test - 3]:
+                    continue
+                i, j, k, m = faces_b[tb, test - 3], faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
+            else:
+                kind = 1
+                ea = (test - 6) // 3
+                eb = (test - 6) % 3
+                if not edge_a[ta, ea] or not edge_b[tb, eb]:
+                    continue
+                i, j = faces_a[ta, ea], faces_a[ta, (ea + 1) % 3]
+                k, m = faces_b[tb, eb], faces_b[tb, (eb + 1) % 3]
+            if not _is_candidate(p, weld, ghost, kind, i, j, k, m, reach):
+                continue
+            if kind == 0:
+                if count_vf < vertex_face.shape[0]:
+                    vertex_face[count_vf, 0] = i
+                    vertex_face[count_vf, 1] = j
+                    vertex_face[count_vf, 2] = k
+                    vertex_face[count_vf, 3] = m
+                count_vf += 1
+            else:
+                if count_ee < edge_edge.shape[0]:
+                    edge_edge[count_ee, 0] = i
+                    edge_edge[count_ee, 1] = j
+                    edge_edge[count_ee, 2] = k
+                    edge_edge[count_ee, 3] = m
+                count_ee += 1
     return count_vf, count_ee
 
 
