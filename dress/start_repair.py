@@ -70,6 +70,14 @@ def clear_panels(
             changed = True
         if not changed:
             break
+    zero = np.zeros(3)
+    for index in order:
+        if pieces.crosses_avatar(index, zero) or pieces.crosses_pieces(index, zero):
+            mesh, name = names[index]
+            raise InputError(
+                f"garment {mesh.name}: panel {name} cuts the body or other panels however they are shifted; "
+                "place the panels farther apart in the pattern"
+            )
     distance = np.linalg.norm(pieces.shift, axis=1)
     notes = tuple(
         f"garment {names[index][0].name}: panel {names[index][1]} cut the body or another panel and starts "
