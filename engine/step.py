@@ -27,7 +27,7 @@ from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
-MOTION_AHEAD = 1.5
+MOTION_AHEAD = 1.1
 LEAST_ALLOWANCE = 1e-3
 """Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
 FEW = 0.02
