@@ -57,7 +57,7 @@ class DrapeState:
         self.ghost = np.zeros(len(cloth.node), bool)
         self._frames = 0
         self.audited = -1
-        self.phase: Phase = "sewing" if len(cloth.stitches) else "growing"
+        self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
 
     def stopped(self) -> bool:
         """Whether the user cancelled or the step limit has come."""

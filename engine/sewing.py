@@ -19,7 +19,7 @@ def join_touching(drape: DrapeState) -> None:
     if touching.any():
         drape.restart(drape.cloth.merged(touching))
     if not len(drape.cloth.stitches):
-        drape.phase = "growing"
+        drape.phase = "growing" if drape.growth else "settling"
 
 
 def sew(drape: DrapeState) -> None:
