@@ -44,6 +44,34 @@ def crossing_faces(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
     return np.unique(pairs, axis=0)
 
 
+def crossings_within(positions: Float, faces: Int, weld: Int) -> Int:
+    """Face pairs of a surface that cross each other, each once, shape (k, 2).
+
+    Neighbours touch by construction, so the test runs on triangles shrunk by SHRINK about their centroids:
+    what still meets crosses, also where the two triangles share a corner.
+
+    Parameters
+    ----------
+    positions, faces
+        The surface [m], shapes (n, 3) and (t, 3).
+    weld
+        Vertices with the same number are being sewn together; face pairs that share such a number but
+        not the vertex itself lie on the two sides of an open seam and are not counted, shape (n,).
+    """
+    corners = positions[faces]
+    centroid = corners.mean(axis=1, keepdims=True)
+    apart = np.ascontiguousarray((centroid + (1.0 - SHRINK) * (corners - centroid)).reshape(-1, 3))
+    model = bvh_model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
+    pairs = crossing_faces(
+        fcl.CollisionObject(model, fcl.Transform()), fcl.CollisionObject(model, fcl.Transform())
+    )
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    a, b = faces[pairs[:, 0]], faces[pairs[:, 1]]
+    other_vertex = a[:, :, None] != b[:, None, :]
+    across_open_seam = (other_vertex & (weld[a][:, :, None] == weld[b][:, None, :])).any(axis=(1, 2))
+    return np.asarray(pairs[~across_open_seam], np.int32)
+
+
 class Auditor:
     """Counts crossing triangle pairs of cloth against one avatar and itself."""
 
@@ -55,31 +83,16 @@ class Auditor:
     def audit(self, positions: Float, faces: Int, weld: Int) -> Crossings:
         """Crossings of the cloth surface.
 
-        Neighbours touch by construction, so the self test runs on triangles shrunk by SHRINK about their
-        centroids: what still meets crosses, also where the two triangles share a corner.
-
         Parameters
         ----------
         positions, faces
             Cloth surface [m], shapes (n, 3) and (t, 3).
         weld
-            Vertices with the same number are being sewn together; face pairs that share such a number but
-            not the vertex itself lie on the two sides of an open seam and are not counted, shape (n,).
+            As for `crossings_within`.
         """
         empty = np.empty((0, 2), np.int32)
         against = empty
         if self._avatar is not None:
             cloth = fcl.CollisionObject(bvh_model(positions, faces), fcl.Transform())
             against = crossing_faces(cloth, self._avatar)
-        corners = positions[faces]
-        centroid = corners.mean(axis=1, keepdims=True)
-        apart = np.ascontiguousarray((centroid + (1.0 - SHRINK) * (corners - centroid)).reshape(-1, 3))
-        model = bvh_model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
-        pairs = crossing_faces(
-            fcl.CollisionObject(model, fcl.Transform()), fcl.CollisionObject(model, fcl.Transform())
-        )
-        pairs = pairs[pairs[:, 0] < pairs[:, 1]]
-        a, b = faces[pairs[:, 0]], faces[pairs[:, 1]]
-        other_vertex = a[:, :, None] != b[:, None, :]
-        across_open_seam = (other_vertex & (weld[a][:, :, None] == weld[b][:, None, :])).any(axis=(1, 2))
-        return Crossings(against, pairs[~across_open_seam])
+        return Crossings(against, crossings_within(positions, faces, weld))

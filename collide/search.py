@@ -80,6 +80,8 @@ class ContactSearch:
         Cloth nodes followed by avatar vertices [m]: the array that all pairs index.
     body, cloth
         (vertex-face, edge-edge) candidates against the avatar and within the cloth.
+    weld
+        Future node of every row of `positions`, shape (n,): sewn vertices share it.
     radius_body
         Contact radius against the avatar that the next search covers [m].
     rebuilds
@@ -105,7 +107,7 @@ class ContactSearch:
         others = 0 if avatar is None else len(avatar.vertices)
         self._count = count
         self.positions = np.empty((count + others, 3))
-        self._weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
+        self.weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
         self._ghost = np.zeros(count + others, bool)
         self._reach = np.zeros(count + others)
         self._avatar_surface: Surface | None = None
@@ -127,9 +129,16 @@ class ContactSearch:
         if self._avatar is not None:
             self.positions[self._count :] = self._avatar.vertices
 
+    @property
+    def all_faces(self) -> Int:
+        """Faces of the cloth, then of the avatar, as triples of rows of `positions`, shape (t, 3)."""
+        if self._avatar_surface is None:
+            return self._surface.faces
+        return np.concatenate([self._surface.faces, self._avatar_surface.faces])
+
     def let_pass(self, ghost: Bool) -> None:
-        """Let marked cloth nodes, shape (n,), pass through each other, though through nothing else."""
-        self._ghost[: self._count] = ghost
+        """Let marked cloth nodes and avatar vertices, shape (n,), pass through each other but no other."""
+        self._ghost[:] = ghost
         self.expire()
 
     def expire(self) -> None:
@@ -161,13 +170,13 @@ class ContactSearch:
         self.rebuilds += 1
         if self._self_contact and not body_only:
             self.cloth = find_candidates(
-                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree, None,
+                self.positions, self.weld, self._ghost, self._surface, self._boxes, self._tree, None,
                 self._boxes, self._tree, self._reach,
             )  # fmt: skip
         if self._avatar is not None and self._avatar_surface is not None:
             self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
             tree = self._avatar.tree(self._reach[self._count :])
             self.body = find_candidates(
-                self.positions, self._weld, self._ghost, self._surface, self._boxes, self._tree,
+                self.positions, self.weld, self._ghost, self._surface, self._boxes, self._tree,
                 self._avatar_surface, self._avatar.boxes, tree, self._reach,
             )  # fmt: skip

@@ -4,13 +4,13 @@ Draping asks for the equilibrium, not for the movie: every step starts at rest, 
 size h is a damped Newton step on the static problem, and growing h turns it into the Newton step itself.
 """
 
-from toile.collide.search import NO_PAIRS
 from toile.engine.drape_plan import DrapeRecord
 from toile.engine.drape_state import DrapeState
 from toile.engine.growing import grow
+from toile.engine.merging import join_touching
 from toile.engine.settling import ease, settle
-from toile.engine.sewing import join_touching, sew
-from toile.engine.tangles import around, let_pass, relax_tangles
+from toile.engine.sewing import sew
+from toile.engine.tangles import let_pass_crossings, relax_tangles
 
 
 class Drape(DrapeState):
@@ -23,15 +23,13 @@ class Drape(DrapeState):
     def run(self) -> DrapeRecord:
         """Sew, settle, stop at equilibrium, at the step limit or when on_frame returns False."""
         join_touching(self)
-        # A mesh garment may cross itself at the start: there it passes through itself until pulled smooth.
-        crossing = self.audit().cloth if self.plan.step.self_contact else NO_PAIRS
-        if len(crossing):
-            let_pass(self, around(self, self.stepper.faces[crossing.ravel()].ravel()))
+        # A mesh garment may cross the avatar or itself at the start: there it passes until it is free.
+        let_pass_crossings(self, self.audit())
         self.close_frame(0)
         if self.phase == "sewing":
             sew(self)
+        relax_tangles(self)
         if len(self.growth) > 1:
-            relax_tangles(self)
             ease(self)
         for shape in self.growth:
             if not self.stopped():

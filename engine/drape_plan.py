@@ -42,6 +42,8 @@ class DrapePlan:
         Stiffness that keeps a stitched node near the place where its seam should meet [N/m].
     late_stiffness
         Stiffness of a stitch that is still open after sewing [N/m].
+    sewing_bending
+        Factor on the bending rigidity while cloth is sewn and disentangled.
     closed_gap
         Sewing ends early when every stitch is shorter than this [m].
     merge_gap
@@ -50,8 +52,12 @@ class DrapePlan:
         Sewing steps granted after the seams should have met.
     jam_radius
         Cloth this close to a stitch that cannot close may pass through itself until it is disentangled [m].
-    tighten_stiffness
-        Stiffness of the springs that pull tangled cloth smooth [N/m].
+    jam_widening
+        How many jam radii of cloth around jammed stitches may pass through itself when sewn again.
+    untangle_stiffness
+        Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
+    tangle_frames
+        Frames of steps that tangled cloth is drawn apart before the drape goes on as it is.
     growth_lag
         How far a vertex of the growing avatar may lag before the rest waits [m].
     easing_steps
@@ -78,11 +84,14 @@ class DrapePlan:
     sliding_stiffness: float = 30.0
     hold_stiffness: float = 30.0
     late_stiffness: float = 1000.0
+    sewing_bending: float = 50.0
     closed_gap: float = 1e-3
     merge_gap: float = 6e-3
     patience: int = 12
     jam_radius: float = 0.03
-    tighten_stiffness: float = 50.0
+    jam_widening: float = 4.0
+    untangle_stiffness: float = 50.0
+    tangle_frames: int = 15
     easing_steps: int = 20
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002

@@ -12,7 +12,7 @@ from toile.engine.cloth import Cloth
 from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 
 
 class DrapeState:
@@ -30,6 +30,8 @@ class DrapeState:
         Finds crossings with the avatar as it is; None when it has moved since.
     ghost
         Material vertices that may pass through each other until they are disentangled, shape (m,).
+    avatar_ghost
+        Avatar vertices they may pass through as well, shape (v,), or None.
     growth
         Shapes the avatar takes on one after the other.
     phase
@@ -54,7 +56,8 @@ class DrapeState:
         self.auditor: Auditor | None = None
         self.stepper = ClothStepper(cloth, self.surface, plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
-        self.ghost = np.zeros(len(cloth.node), bool)
+        self.ghost: Bool = np.zeros(len(cloth.node), bool)
+        self.avatar_ghost: Bool | None = None
         self._frames = 0
         self.audited = -1
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
@@ -73,6 +76,12 @@ class DrapeState:
         self.cloth = cloth
         self.stepper = ClothStepper(cloth, self.surface, self.plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
+        self.let_pass(self.ghost, self.avatar_ghost)
+
+    def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
+        """Let marked material vertices, shape (m,), pass through each other and marked avatar vertices."""
+        self.ghost, self.avatar_ghost = ghost, avatar_ghost
+        self.stepper.let_pass(node_mask(len(self.stepper.x), self.cloth.node[ghost]), avatar_ghost)
 
     def take(self, request: StepRequest) -> StepOutcome:
         """Make one step, book it, and close a frame where one is due."""
@@ -123,3 +132,10 @@ class DrapeState:
         """Smallest distance between cloth and avatar or cloth now [m]; None if nothing is within reach."""
         contacts = self.stepper.contacts(StepRequest(h=1.0, at_rest=True))
         return None if contacts is None or not contacts.count else float(contacts.gap.min())
+
+
+def node_mask(count: int, nodes: Int) -> Bool:
+    """Mark nodes in an array of `count`."""
+    mask = np.zeros(count, bool)
+    mask[nodes] = True
+    return mask

@@ -3,7 +3,7 @@
 import numpy as np
 
 from toile.engine.drape_state import DrapeState
-from toile.engine.sewing import merge_late
+from toile.engine.merging import merge_late
 from toile.engine.step_request import StepRequest
 from toile.engine.tangles import disentangle
 from toile.geometry.arrays import Float
@@ -31,7 +31,7 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
         drape.take(
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
-                stitch_stiffness=plan.late_stiffness, tighten_stiffness=plan.tighten_stiffness,
+                stitch_stiffness=plan.late_stiffness, untangle_stiffness=plan.untangle_stiffness,
                 cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip

@@ -4,7 +4,7 @@ import numpy as np
 
 from toile.engine.drape_state import DrapeState
 from toile.engine.forces.hold import Holds
-from toile.engine.sewing import merge_late
+from toile.engine.merging import merge_late
 from toile.engine.step_request import StepRequest
 
 

@@ -1,33 +1,36 @@
-"""Sewing: panels slide over their meeting places, seams close, and the nodes of closed stitches merge."""
-
-from dataclasses import replace
+"""Sewing: panels slide over their meeting places, then seams close."""
 
 import numpy as np
 
 from toile.engine.drape_state import DrapeState
 from toile.engine.forces.hold import SewingHolds
+from toile.engine.merging import merge
 from toile.engine.step_request import StepRequest
-from toile.engine.tangles import around, let_pass
+from toile.engine.tangles import around
 from toile.engine.zipper import zipper_distance
-
-
-def join_touching(drape: DrapeState) -> None:
-    """Merge stitches that are closed from the start, such as those along the texture seams of a mesh."""
-    if not len(drape.cloth.stitches):
-        return
-    touching = drape.cloth.stitch_length < 1e-9
-    if touching.any():
-        drape.restart(drape.cloth.merged(touching))
-    if not len(drape.cloth.stitches):
-        drape.phase = "growing" if drape.growth else "settling"
 
 
 def sew(drape: DrapeState) -> None:
     """Close all seams on schedule, and merge what has closed.
 
-    Stitches that have not closed some time after they should have are jammed: the cloth around them may
-    pass through itself.
+    Stitches that have not closed some time after they should have are jammed: cloth crumpled between them.
+    Then all starts again, and the cloth around them may pass through itself before it can crumple.
     """
+    plan = drape.plan
+    start = drape.cloth
+    close(drape)
+    jammed = drape.gaps() >= plan.merge_gap
+    if jammed.any() and not drape.stopped():
+        ghost = around(drape, drape.cloth.stitches[jammed].ravel(), plan.jam_widening)
+        drape.restart(start)
+        drape.let_pass(ghost)
+        close(drape)
+    if not drape.stopped():
+        merge(drape)
+
+
+def close(drape: DrapeState) -> None:
+    """Close all seams on schedule, until all nodes of stitches have met or patience ends."""
     plan = drape.plan
     holds = drape.stepper.holds
     assert isinstance(holds, SewingHolds)
@@ -46,8 +49,6 @@ def sew(drape: DrapeState) -> None:
         share = np.clip(1.0 - (count + 1 - delay) / closing, 0.0, 1.0)
         node_share[pairs[:, 0]] = share
         node_share[pairs[:, 1]] = share
-        if count == total + plan.patience:
-            let_pass(drape, around(drape, pairs[drape.gaps() >= plan.closed_gap].ravel()))
         if count >= total:
             stiffness *= plan.stiffening
             hold *= 0.7
@@ -57,12 +58,12 @@ def sew(drape: DrapeState) -> None:
         drape.take(
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False, hold_stiffness=hold,
-                stitch_share=share, stitch_stiffness=stiffness, cg_tolerance=plan.cg_tolerance,
+                stitch_share=share, stitch_stiffness=stiffness, bending_factor=plan.sewing_bending,
+                untangle_stiffness=plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
         if drape.stopped():
             return
-    merge(drape)
 
 
 def slide_in_plane(drape: DrapeState) -> None:
@@ -74,44 +75,9 @@ def slide_in_plane(drape: DrapeState) -> None:
         outcome = drape.take(
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
-                hold_stiffness=plan.sliding_stiffness, cg_tolerance=plan.cg_tolerance,
+                hold_stiffness=plan.sliding_stiffness, bending_factor=plan.sewing_bending,
+                cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
         if outcome.moved.max() < 0.1 * plan.closing_per_step:
             break
-
-
-def merge(drape: DrapeState) -> None:
-    """Move the nodes of closed stitches together as far as is safe, and merge those that arrived."""
-    gaps = drape.gaps()
-    near = gaps < drape.plan.merge_gap
-    stepper = drape.stepper
-    cloth = replace(drape.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy())
-    trial = cloth.merged(near)
-    target = np.empty_like(stepper.x)
-    target[cloth.node] = trial.positions[trial.node]
-    for _ in range(30):
-        wanted = target - stepper.x
-        if np.abs(wanted).max() < 1e-12:
-            break
-        stepper.safe_move(wanted)
-    # A node stands for all that are merged with it: one late node keeps its whole group open.
-    weld = cloth.weld
-    late = np.zeros(len(weld), bool)
-    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= 1e-9]] = True
-    closed = near & ~late[weld[cloth.stitches[:, 0]]]
-    if closed.any():
-        radius = stepper.radius_body.copy()
-        drape.restart(replace(cloth, positions=stepper.x.copy()).merged(closed))
-        drape.stepper.set_body_radius(float(radius.max()))
-        let_pass(drape, drape.ghost)
-
-
-def merge_late(drape: DrapeState) -> bool:
-    """Every few steps, merge stitches that have closed since; return whether any were."""
-    if not len(drape.cloth.stitches) or drape.record.steps % drape.plan.steps_per_frame:
-        return False
-    count = len(drape.cloth.stitches)
-    if (drape.gaps() < drape.plan.merge_gap).any():
-        merge(drape)
-    return len(drape.cloth.stitches) < count

@@ -20,7 +20,7 @@ from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
 from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
-from toile.engine.forces.tighten import Tightening
+from toile.engine.forces.untangle import Untangling
 from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
@@ -64,7 +64,7 @@ class ClothStepper:
             self.bending = Bending.for_cloth(cloth)
         self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
         self.stitch_length = cloth.stitch_length
-        self.tightening: Tightening | None = None
+        self.untangling: Untangling | None = None
         self.holds: Holds | None = None
         if len(cloth.stitches):
             normals = vertex_normals(self.x, faces)
@@ -122,13 +122,13 @@ class ClothStepper:
         gradient = (self.mass / request.h**2)[:, None] * (self.x - y)
         scatter_gradients(self.faces, self.membrane.element_gradient, gradient)
         if self.bending is not None:
-            gradient += self.bending.gradient(self.x)
+            gradient += request.bending_factor * self.bending.gradient(self.x)
         if self.stitches is not None and request.stitch_stiffness > 0.0:
             scatter_gradients(self.stitches.pairs, self.stitches.element_gradient, gradient)
         if self.holds is not None and request.hold_stiffness > 0.0:
             self.holds.add_gradient(self.x, request.hold_stiffness, gradient)
-        if self.tightening is not None and request.tighten_stiffness > 0.0:
-            self.tightening.add_gradient(self.x, request.tighten_stiffness, gradient)
+        if self.untangling is not None and request.untangle_stiffness > 0.0:
+            self.untangling.add_gradient(request.untangle_stiffness, gradient)
         if contacts is not None:
             _scatter_contact_forces(contacts, gradient)
         return gradient
@@ -154,6 +154,10 @@ class ClothStepper:
                 target = self._stitch_target(self.stitches, request)
                 self.stitches.evaluate(self.x, target, request.stitch_stiffness)
                 scatter_hessians(self.pattern.slots[1], self.stitches.element_hessian, self.blocks)
+            if self.untangling is not None and request.untangle_stiffness > 0.0:
+                assert self.search is not None
+                self.search.place(self.x)
+                self.untangling.evaluate(self.search.positions)
             gradient = self.gradient(y, request, contacts)
             stencils = []
             if contacts is not None:
@@ -162,11 +166,11 @@ class ClothStepper:
                 outcome.min_gap = float(contacts.gap.min(initial=np.inf))
             if self.holds is not None and request.hold_stiffness > 0.0:
                 stencils.append(self.holds.stencils(request.hold_stiffness))
-            if self.tightening is not None and request.tighten_stiffness > 0.0:
-                stencils.append(self.tightening.stencils(request.tighten_stiffness))
+            if self.untangling is not None and request.untangle_stiffness > 0.0:
+                stencils.append(self.untangling.stencils(request.untangle_stiffness))
             self.system.update(
                 self.blocks, node_diagonal, contacts=_joined(stencils) if stencils else NO_CONTACTS,
-                pinned=self.pinned,
+                pinned=self.pinned, bending_scale=request.bending_factor,
             )  # fmt: skip
             self.preconditioner.update(self.system, self.x)
             now = self.clock.add("assembly", now)
@@ -220,11 +224,22 @@ class ClothStepper:
         )[: len(self.x)]  # fmt: skip
         return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
 
-    def let_pass(self, ghost: Bool) -> None:
-        """Let marked nodes, shape (n,), pass through each other, and give them springs to tighten."""
-        if self.search is not None:
-            self.search.let_pass(ghost)
-        self.tightening = Tightening(self.faces, ghost) if ghost.any() else None
+    def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
+        """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.
+
+        Where they cross they are drawn apart.
+        """
+        if self.search is None:
+            return
+        own = np.zeros(len(self.anchor) - len(self.x), bool) if avatar_ghost is None else avatar_ghost
+        marked = np.concatenate([ghost, own])
+        self.search.let_pass(marked)
+        self.untangling = None
+        if ghost.any():
+            faces = self.search.all_faces
+            self.untangling = Untangling(
+                np.ascontiguousarray(faces[marked[faces].any(axis=1)]), self.search.weld, len(self.x)
+            )
 
     def set_body_radius(self, radius: float) -> None:
         """Set the contact radius against the avatar [m]."""

@@ -60,8 +60,10 @@ class StepRequest:
         Largest elongation of a stitch [m]: bounds its force.
     hold_stiffness
         Stiffness of a hold [N/m]; 0 lets go.
-    tighten_stiffness
-        Stiffness of the springs that pull tangled cloth smooth [N/m].
+    untangle_stiffness
+        Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
+    bending_factor
+        Factor on the bending rigidity: while it is sewn, stiffer cloth crumples less.
     friction
         Whether friction acts.
     newton
@@ -81,7 +83,8 @@ class StepRequest:
     stitch_stiffness: float = 0.0
     stitch_reach: float = 0.02
     hold_stiffness: float = 0.0
-    tighten_stiffness: float = 0.0
+    untangle_stiffness: float = 0.0
+    bending_factor: float = 1.0
     friction: bool = True
     newton: int = 1
     newton_tolerance: float = 1e-5

@@ -63,7 +63,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
         "safe_factors",
         "Stitches",
         "SewingHolds",
-        "Tightening",
+        "Untangling",
     ):
         monkeypatch.setattr(step, name, forbidden(name))
     monkeypatch.setattr(drape_state, "AvatarSurface", forbidden("AvatarSurface"))
@@ -73,7 +73,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_free_cloth_falls_without_search_stitches_holds_or_bending(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bending, "for_cloth", forbidden("Bending"))
     stepper = ClothStepper(sheet(SLACK), None, options(), StageClock())
-    for name in ("search", "stitches", "holds", "tightening", "bending", "pinned"):
+    for name in ("search", "stitches", "holds", "untangling", "bending", "pinned"):
         assert getattr(stepper, name) is None
     before = stepper.x.copy()
     h = 0.01

@@ -1,0 +1,147 @@
+"""Untangling: forces that shorten the curves along which cloth crosses itself, until nothing crosses.
+
+Where an edge of face A pierces face B, the crossing curve starts at the piercing point and runs into A along
+R. Let the edge, of direction E, move by d against B with normal N: the piercing point moves by
+d - (d . N)/(E . N) E, so the curve's length falls fastest along
+
+    G = R - (E . R)/(E . N) N,
+
+summed over the two faces of the edge (intersection contour minimisation, Volino and Magnenat-Thalmann 2006).
+Edge and face are drawn apart along G, and only along it, by springs towards places ahead of them. A curve
+around a bump that pokes through draws the bump back; a curve that starts at a border draws the border across.
+No side needs to be the right one, so tangles of any history come loose. A straight curve has no way to become
+shorter: it is left to stretch and bending.
+"""
+
+import numpy as np
+
+from toile.collide.audit import crossings_within
+from toile.engine.linear_system import ContactStencils
+from toile.geometry.arrays import Float, Int
+
+REACH = 0.003
+"""How far ahead the springs reach [m]: with their stiffness, the largest force."""
+STEEPEST = 4.0
+"""Bound on (E . R)/(E . N), for edges that lie almost in the face they pierce."""
+FAINT = 0.3
+"""Length of G at which a curve pulls at 0.7 of full strength."""
+
+
+class Untangling:
+    """Springs at the points where edges pierce faces, found by `evaluate`.
+
+    Attributes
+    ----------
+    faces
+        Faces of cloth and avatar that may cross, vertex triples (t, 3).
+    weld
+        Future node of every vertex: faces on two sides of an open seam do not count, shape (v,).
+    cloth_nodes
+        Number of leading vertices that are nodes of the cloth; the others belong to the avatar.
+    nodes, weights
+        Nodes of every spring's end and their shares in its place, shape (k, 4); -1 where unused or avatar.
+    direction
+        Unit vector along which each end is drawn, shape (k, 3).
+    strength
+        Share of the stiffness that each spring has, 0 to 1, shape (k,).
+    """
+
+    def __init__(self, faces: Int, weld: Int, cloth_nodes: int) -> None:
+        self.faces = faces
+        self.weld = weld
+        self.cloth_nodes = cloth_nodes
+        self.nodes = np.empty((0, 4), np.int32)
+        self.weights = np.empty((0, 4))
+        self.direction = np.empty((0, 3))
+        self.strength = np.empty(0)
+
+    def evaluate(self, x: Float) -> None:
+        """Find the crossing curves at vertex positions x [m], shape (v, 3), and what shortens them."""
+        pairs = crossings_within(x, self.faces, self.weld)
+        # Where the avatar crosses itself nothing can be done.
+        pairs = pairs[(self.faces[pairs] < self.cloth_nodes).any(axis=(1, 2))]
+        one, other = self.faces[pairs].transpose(1, 0, 2)
+        edges, triangles, share, inside, directions = [], [], [], [], []
+        for a, b in ((one, other), (other, one)):
+            for corner in range(3):
+                edge = np.stack([a[:, corner], a[:, (corner + 1) % 3]], axis=1)
+                found = _pierced(x, edge, a[:, (corner + 2) % 3], b)
+                edges.append(edge[found.rows])
+                triangles.append(b[found.rows])
+                share.append(found.share)
+                inside.append(found.inside)
+                directions.append(found.direction)
+        edge, triangle = np.concatenate(edges), np.concatenate(triangles)
+        # Both faces of an edge report it: one spring gets the sum of their directions.
+        keys = np.concatenate([np.sort(edge, axis=1), triangle], axis=1)
+        _, first, label = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        total = np.zeros((len(first), 3))
+        np.add.at(total, label.reshape(-1), np.concatenate(directions))
+        size = np.linalg.norm(total, axis=1)
+        strength = size / np.sqrt(size**2 + FAINT**2)
+        count = len(first)
+        self.nodes = np.full((2 * count, 4), -1, np.int32)
+        self.weights = np.zeros((2 * count, 4))
+        self.nodes[:count, :2], self.nodes[count:, :3] = edge[first], triangle[first]
+        s = np.concatenate(share)[first]
+        self.weights[:count, 0], self.weights[:count, 1] = 1.0 - s, s
+        self.weights[count:, :3] = np.concatenate(inside)[first]
+        self.nodes[self.nodes >= self.cloth_nodes] = -1
+        self.direction = np.concatenate([_unit(total), -_unit(total)])
+        self.strength = np.concatenate([strength, strength])
+
+    def add_gradient(self, stiffness: float, gradient: Float) -> None:
+        """Add the springs' gradient [N] to shape (n, 3), for stiffness [N/m]."""
+        pull = -0.5 * REACH * stiffness * self.strength[:, None] * self.direction
+        for q in range(3):
+            used = self.nodes[:, q] >= 0
+            np.add.at(gradient, self.nodes[used, q], self.weights[used, q, None] * pull[used])
+
+    def stencils(self, stiffness: float) -> ContactStencils:
+        """Return the Hessian as stencils of two and three nodes, stiff along the direction only."""
+        along = self.direction[:, :, None] * self.direction[:, None, :]
+        return ContactStencils(self.nodes, self.weights, stiffness * self.strength[:, None, None] * along)
+
+
+class _Pierced:
+    """Rows in which the edge pierces the face: share along the edge, weights within the face, direction G."""
+
+    def __init__(self, rows: Int, share: Float, inside: Float, direction: Float) -> None:
+        self.rows = rows
+        self.share = share
+        self.inside = inside
+        self.direction = direction
+
+
+def _pierced(x: Float, edge: Int, third: Int, triangle: Int) -> _Pierced:
+    """Find where edges (k, 2) of faces with third corner (k,) pierce triangles (k, 3)."""
+    start, end = x[edge[:, 0]], x[edge[:, 1]]
+    corner = x[triangle[:, 0]]
+    first, second = x[triangle[:, 1]] - corner, x[triangle[:, 2]] - corner
+    normal = _unit(np.cross(first, second))
+    below, above = _dot(start - corner, normal), _dot(end - corner, normal)
+    share = below / np.where(below == above, 1.0, below - above)
+    place = start + share[:, None] * (end - start) - corner
+    uu, uv, vv = _dot(first, first), _dot(first, second), _dot(second, second)
+    pu, pv = _dot(place, first), _dot(place, second)
+    size = np.maximum(uu * vv - uv * uv, 1e-300)
+    b, c = (vv * pu - uv * pv) / size, (uu * pv - uv * pu) / size
+    apart = (edge[:, :, None] != triangle[:, None, :]).all(axis=(1, 2))
+    rows = np.flatnonzero(apart & (below * above < 0.0) & (b >= 0.0) & (c >= 0.0) & (b + c <= 1.0))
+    along = _unit((end - start)[rows])
+    inward = (x[third] - start)[rows]
+    inward = inward - along * _dot(inward, along)[:, None]
+    curve = _unit(np.cross(np.cross(along, inward), normal[rows]))
+    curve *= np.where(_dot(curve, inward) >= 0.0, 1.0, -1.0)[:, None]
+    rise = _dot(along, normal[rows])
+    lean = np.clip(_dot(along, curve) / np.where(rise == 0.0, 1e-300, rise), -STEEPEST, STEEPEST)
+    inside = np.stack([1.0 - b - c, b, c], axis=1)[rows]
+    return _Pierced(rows, share[rows], inside, curve - lean[:, None] * normal[rows])
+
+
+def _dot(a: Float, b: Float) -> Float:
+    return np.asarray(np.einsum("ij,ij->i", a, b))
+
+
+def _unit(vectors: Float) -> Float:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-300))

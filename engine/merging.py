@@ -1,0 +1,53 @@
+"""Merging: the two nodes of a stitch that has closed become one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from toile.engine.drape_state import DrapeState
+
+
+def join_touching(drape: DrapeState) -> None:
+    """Merge stitches that are closed from the start, such as those along the texture seams of a mesh."""
+    if not len(drape.cloth.stitches):
+        return
+    touching = drape.cloth.stitch_length < 1e-9
+    if touching.any():
+        drape.restart(drape.cloth.merged(touching))
+    if not len(drape.cloth.stitches):
+        drape.phase = "growing" if drape.growth else "settling"
+
+
+def merge(drape: DrapeState) -> None:
+    """Move the nodes of closed stitches together as far as is safe, and merge those that arrived."""
+    gaps = drape.gaps()
+    near = gaps < drape.plan.merge_gap
+    stepper = drape.stepper
+    cloth = replace(drape.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy())
+    trial = cloth.merged(near)
+    target = np.empty_like(stepper.x)
+    target[cloth.node] = trial.positions[trial.node]
+    for _ in range(30):
+        wanted = target - stepper.x
+        if np.abs(wanted).max() < 1e-12:
+            break
+        stepper.safe_move(wanted)
+    # A node stands for all that are merged with it: one late node keeps its whole group open.
+    weld = cloth.weld
+    late = np.zeros(len(weld), bool)
+    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= 1e-9]] = True
+    closed = near & ~late[weld[cloth.stitches[:, 0]]]
+    if closed.any():
+        radius = stepper.radius_body.copy()
+        drape.restart(replace(cloth, positions=stepper.x.copy()).merged(closed))
+        drape.stepper.set_body_radius(float(radius.max()))
+
+
+def merge_late(drape: DrapeState) -> bool:
+    """Every few steps, merge stitches that have closed since; return whether any were."""
+    if not len(drape.cloth.stitches) or drape.record.steps % drape.plan.steps_per_frame:
+        return False
+    count = len(drape.cloth.stitches)
+    if (drape.gaps() < drape.plan.merge_gap).any():
+        merge(drape)
+    return len(drape.cloth.stitches) < count
