@@ -57,8 +57,10 @@ def kernel(signature: Any, *, parallel: bool = False) -> Any:
 
     `parallel` only where iteration i writes row i: results must not depend on the thread count.
     """
-    return njit(signature, cache=True, error_model="numpy", nogil=True, parallel=parallel)
+    return njit(
+        signature, cache=True, error_model="numpy", nogil=True, parallel=parallel, no_cfunc_wrapper=True, no_rewrites=True
+    )
 
 
-helper = njit(error_model="numpy")
-"""Decorator of scalar helpers that batch kernels call."""
+helper = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, no_rewrites=True)
+"""Decorator of scalar helpers that batch kernels call; Python cannot (no wrapper: a sixth less to compile)."""
