@@ -8,6 +8,7 @@ edges are never split.
 
 import math
 
+import numpy as np
 from numba import types
 
 from toile.geometry.kernel import F64_1, F64_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
@@ -173,9 +174,10 @@ def insert_points(  # type: ignore[no-untyped-def]
         # Legalise: turn about p; corner 0 of every triangle of its star is p.
         spoke = inside
         start = inside
+        tip = np.int64(0)  # typed: a literal would be a second specialisation of the two helpers
         while True:
-            if not edge_is_delaunay(points, corners, across, spoke, 0):
-                flip(corners, across, spoke, 0)
+            if not edge_is_delaunay(points, corners, across, spoke, tip):
+                flip(corners, across, spoke, tip)
                 start = spoke
                 continue
             spoke = across[spoke, 1]

@@ -66,9 +66,9 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
     lambda f_u); across that plane it is |I6|, twice, on (d, s d) with s the sign of I6 and d perpendicular to
     w = f_u + s f_v.
     """
-    f = np.empty((2, 3))
-    w, q = np.empty(3), np.empty((2, 3))
-    stress, huu, huv, hvv = np.empty((2, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    f, stress, q = np.empty((2, 3), np.float64), np.empty((2, 3), np.float64), np.empty((2, 3), np.float64)
+    huu, huv, hvv = np.empty((3, 3), np.float64), np.empty((3, 3), np.float64), np.empty((3, 3), np.float64)
+    w = np.empty(3, np.float64)
     for t in range(len(faces)):
         area, k_u, k_v, k_s = shape[t, 0], shape[t, 1], shape[t, 2], shape[t, 3]
         i, j, k = faces[t, 0], faces[t, 1], faces[t, 2]
