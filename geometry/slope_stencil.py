@@ -222,12 +222,12 @@ def slope_stencils(
     for h in range(len(sides)):
         face, side = sides[h, 0], sides[h, 1]
         across = neighbours[face, side]
-        if rigid[face]:
-            _plane_slope(faces, rest, face, side, 1.0, nodes[h], weights[h])
-            counts[h] = 3
-            continue
-        if across >= 0 and rigid[across]:
-            _plane_slope(faces, rest, across, neighbour_sides[face, side], -1.0, nodes[h], weights[h])
+        own_nodes, own_weights = nodes[h], weights[h]
+        if rigid[face] or (across >= 0 and rigid[across]):
+            flat, flat_side, sign = face, side, 1.0
+            if not rigid[face]:
+                flat, flat_side, sign = across, neighbour_sides[face, side], -1.0
+            _plane_slope(faces, rest, flat, flat_side, sign, own_nodes, own_weights)
             counts[h] = 3
             continue
         a, b = (side + 1) % 3, (side + 2) % 3
@@ -247,14 +247,14 @@ def slope_stencils(
             far_length, _, far_height = _apex(rest, across, other_side)
             half = 0.25 * (length + far_length)
             scale_n = 0.5 * (height + far_height)
-        count = _add_node(faces[face, a], -half, 0.0, 1.0, count, nodes[h], s, n, ring_weights)
-        count = _add_node(faces[face, b], half, 0.0, 1.0, count, nodes[h], s, n, ring_weights)
+        count = _add_node(faces[face, a], -half, 0.0, 1.0, count, own_nodes, s, n, ring_weights)
+        count = _add_node(faces[face, b], half, 0.0, 1.0, count, own_nodes, s, n, ring_weights)
         ring, ring_weight, ridge = 0, 1.0, RIDGE
         while True:
             for m in range(added, member_count):
                 for c in range(3):
                     node, s_c, n_c = faces[members[m], c], placed[m, c, 0], placed[m, c, 1]
-                    count = _add_node(node, s_c, n_c, ring_weight, count, nodes[h], s, n, ring_weights)
+                    count = _add_node(node, s_c, n_c, ring_weight, count, own_nodes, s, n, ring_weights)
             added = member_count
             if ring > 0 and (count >= 6 or ridge == LAST_RIDGE):
                 amplification, misfit = _fit(
@@ -269,7 +269,7 @@ def slope_stencils(
                     matrix,
                     residual,
                     update,
-                    weights[h],
+                    own_weights,
                 )
                 if ridge == LAST_RIDGE or (amplification < AMPLIFICATION_LIMIT and misfit < EXACTNESS):
                     break

@@ -70,7 +70,8 @@ def edge_is_delaunay(points, corners, across, t, k):  # type: ignore[no-untyped-
     j = 0
     while across[u, j] != t:
         j += 1
-    a, b, c, d = corners[t, k], corners[t, after(k)], corners[t, before(k)], corners[u, j]
+    a, b, c = corners[t, k], corners[t, after(k)], corners[t, before(k)]
+    d = corners[u, j]
     return outside_circumcircle(
         points[a, 0],
         points[a, 1],

@@ -66,14 +66,9 @@ def candidate(points, corners, t, size, use_centre):  # type: ignore[no-untyped-
         if squared < short:
             best, short = k, squared
     a, b, c = corners[t, best], corners[t, after(best)], corners[t, before(best)]
-    ax, ay, bx, by, cx, cy = (
-        points[a, 0],
-        points[a, 1],
-        points[b, 0],
-        points[b, 1],
-        points[c, 0],
-        points[c, 1],
-    )
+    ax, ay = points[a, 0], points[a, 1]
+    bx, by = points[b, 0], points[b, 1]
+    cx, cy = points[c, 0], points[c, 1]
     # Height of the circumcentre above the middle of bc: |bc|/2 cot(angle at a).
     cos_a = (bx - ax) * (cx - ax) + (by - ay) * (cy - ay)
     twice = turn(ax, ay, bx, by, cx, cy)

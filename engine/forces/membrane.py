@@ -70,7 +70,8 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
     huu, huv, hvv = np.empty((3, 3), np.float64), np.empty((3, 3), np.float64), np.empty((3, 3), np.float64)
     w = np.empty(3, np.float64)
     for t in range(len(faces)):
-        area, k_u, k_v, k_s = shape[t, 0], shape[t, 1], shape[t, 2], shape[t, 3]
+        area = shape[t, 0]
+        k_u, k_v, k_s = shape[t, 1], shape[t, 2], shape[t, 3]
         i, j, k = faces[t, 0], faces[t, 1], faces[t, 2]
         for c in range(3):
             f[0, c] = shape[t, 4] * x[i, c] + shape[t, 5] * x[j, c] + shape[t, 6] * x[k, c]
@@ -126,7 +127,8 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
         for pair in range(6):
             a = pair if pair < 3 else (0 if pair < 5 else 1)
             b = pair if pair < 3 else (1 if pair == 3 else 2)
-            du_a, dv_a, du_b, dv_b = shape[t, 4 + a], shape[t, 7 + a], shape[t, 4 + b], shape[t, 7 + b]
+            du_a, dv_a = shape[t, 4 + a], shape[t, 7 + a]
+            du_b, dv_b = shape[t, 4 + b], shape[t, 7 + b]
             for r in range(3):
                 for c in range(3):
                     hessian[t, pair, r, c] = (
