@@ -130,7 +130,7 @@ def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:
 
     if say is not None and not WARM:
         say("compiling kernels (once)")
-    modules = DRAPE_KERNELS
+    modules: tuple[str, ...] = DRAPE_KERNELS
     if any(not isinstance(garment.source, GarmentMesh) for garment in scene.garments):
         modules += PANEL_KERNELS
     if draws:

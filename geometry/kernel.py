@@ -52,7 +52,7 @@ OUT_I32_2 = types.Array(types.int32, 2, "C")
 OUT_BOOL_1 = types.Array(types.boolean, 1, "C")
 
 
-# What only costs compile time here: wrappers for callers that do not exist, and numba's rewrites of array
+# What only costs compile time here: wrappers for C callers that do not exist, and numba's rewrites of array
 # expressions, which scalar kernels do not have (6 % of all compile time).
 LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "no_rewrites": True}
 
@@ -65,5 +65,8 @@ def kernel(signature: Any, *, parallel: bool = False) -> Any:
     return njit(signature, cache=True, nogil=True, parallel=parallel, **LEAN)
 
 
-helper = njit(no_cpython_wrapper=True, **LEAN)
-"""Decorator of scalar helpers that batch kernels call; Python cannot call them."""
+helper = njit(**LEAN)
+"""Decorator of scalar helpers that batch kernels call.
+
+They keep their Python wrappers: without one, a call from Python (as in a test) is a crash, not an error.
+"""
