@@ -75,11 +75,13 @@ def _emit(  # type: ignore[no-untyped-def]
             if test < 3:
                 if not vertex_a[ta, test]:
                     continue
-                i, j, k, m = faces_a[ta, test], faces_b[tb, 0], faces_b[tb, 1], faces_b[tb, 2]
+                i = faces_a[ta, test]
+                j, k, m = faces_b[tb, 0], faces_b[tb, 1], faces_b[tb, 2]
             elif test < 6:
                 if not vertex_b[tb, test - 3]:
                     continue
-                i, j, k, m = faces_b[tb, test - 3], faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
+                i = faces_b[tb, test - 3]
+                j, k, m = faces_a[ta, 0], faces_a[ta, 1], faces_a[ta, 2]
             else:
                 kind = 1
                 ea = (test - 6) // 3

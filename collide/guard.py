@@ -85,7 +85,7 @@ def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-unty
     plane rows: n (3), separation, each vertex's distance behind its own support plane (4), margin at the
     end of the full motion, separation to keep. Returns the count of pairs.
     """
-    count = 0
+    count = np.int64(0)  # typed: a literal would be a second specialisation of _set_plane
     for row in range(pairs.shape[0]):
         i = pairs[row, 0]
         j = pairs[row, 1]

@@ -11,6 +11,7 @@ from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
 from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.garment_source import DressForm, check_source, default_name, load_garment, pinned_vertices
+from toile.dress.kernels import DRAPE_KERNELS, PANEL_KERNELS, PICTURE_KERNELS, load_kernels
 from toile.dress.progress import Progress, ProgressState, TimeLeft
 from toile.dress.quality import quality_preset
 from toile.dress.report import drape_report
@@ -129,11 +130,13 @@ def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:
 
     if say is not None and not WARM:
         say("compiling kernels (once)")
-    import_module("toile.dress.drape")
+    modules: tuple[str, ...] = DRAPE_KERNELS
     if any(not isinstance(garment.source, GarmentMesh) for garment in scene.garments):
-        import_module("toile.dress.pattern_mesh")
+        modules += PANEL_KERNELS
     if draws:
-        import_module("toile.dress.preview")
+        modules += PICTURE_KERNELS
+    load_kernels(modules)
+    import_module("toile.dress.drape")
     return time.perf_counter() - started
 
 

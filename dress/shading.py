@@ -157,15 +157,14 @@ def shade(  # type: ignore[no-untyped-def]
                 known_depth = pz
                 facing = max(-nz, 0.2)
                 slope_x, slope_y = nx / facing * pz / focal, -ny / facing * pz / focal
-                crease = open_sky(
-                    nearness, row, column, pz, slope_x, slope_y, focal * CREASE_RADIUS / pz, CREASE_RADIUS,
-                    disc, cosine, sine,
-                )  # fmt: skip
-                hollow = open_sky(
-                    nearness, row, column, pz, slope_x, slope_y, focal * HOLLOW_RADIUS / pz, HOLLOW_RADIUS,
-                    disc, cosine, sine,
-                )  # fmt: skip
-                sky = crease * (0.35 + 0.65 * hollow)
+                # One call site: a second one would be inlined and compiled a second time.
+                for scale in range(2):
+                    radius = HOLLOW_RADIUS if scale else CREASE_RADIUS
+                    seen = open_sky(
+                        nearness, row, column, pz, slope_x, slope_y, focal * radius / pz, radius,
+                        disc, cosine, sine,
+                    )  # fmt: skip
+                    sky = sky * (0.35 + 0.65 * seen) if scale else seen
                 qx, qy, qz = px + 0.003 * nx, py + 0.003 * ny, pz + 0.003 * nz
                 u = to_shadow[0, 0] * qx + to_shadow[0, 1] * qy + to_shadow[0, 2] * qz + to_shadow[0, 3]
                 v = to_shadow[1, 0] * qx + to_shadow[1, 1] * qy + to_shadow[1, 2] * qz + to_shadow[1, 3]

@@ -213,21 +213,21 @@ def slope_stencils(
     until the nodes determine a quadratic well. A side of a `rigid` face (t,) has the slope of that face's
     plane. `counts` (h,), `nodes` and `weights` (h, MAX_NODES).
     """
-    placed = np.empty((MAX_FACES, 3, 2))
-    members = np.empty(MAX_FACES, dtype=np.int32)
-    s, n = np.empty(MAX_NODES), np.empty(MAX_NODES)
-    ring_weights = np.empty(MAX_NODES)
-    basis, matrix = np.empty((MAX_NODES, 6)), np.empty((6, 6))
-    residual, update = np.empty(6), np.empty(6)
+    placed = np.empty((MAX_FACES, 3, 2), np.float64)
+    members = np.empty(MAX_FACES, np.int32)
+    s, n = np.empty(MAX_NODES, np.float64), np.empty(MAX_NODES, np.float64)
+    ring_weights = np.empty(MAX_NODES, np.float64)
+    basis, matrix = np.empty((MAX_NODES, 6), np.float64), np.empty((6, 6), np.float64)
+    residual, update = np.empty(6, np.float64), np.empty(6, np.float64)
     for h in range(len(sides)):
         face, side = sides[h, 0], sides[h, 1]
         across = neighbours[face, side]
-        if rigid[face]:
-            _plane_slope(faces, rest, face, side, 1.0, nodes[h], weights[h])
-            counts[h] = 3
-            continue
-        if across >= 0 and rigid[across]:
-            _plane_slope(faces, rest, across, neighbour_sides[face, side], -1.0, nodes[h], weights[h])
+        own_nodes, own_weights = nodes[h], weights[h]
+        if rigid[face] or (across >= 0 and rigid[across]):
+            flat, flat_side, sign = face, side, 1.0
+            if not rigid[face]:
+                flat, flat_side, sign = across, neighbour_sides[face, side], -1.0
+            _plane_slope(faces, rest, flat, flat_side, sign, own_nodes, own_weights)
             counts[h] = 3
             continue
         a, b = (side + 1) % 3, (side + 2) % 3
@@ -236,24 +236,25 @@ def slope_stencils(
         placed[0, b, 0], placed[0, b, 1] = 0.5 * length, 0.0
         placed[0, side, 0], placed[0, side, 1] = along, -height
         members[0] = face
-        member_count = 1
+        # typed: a literal passed to a helper would be one more specialisation of it
+        first, added, member_count, count = np.int64(0), np.int64(0), np.int64(1), np.int64(0)
         half, scale_n = 0.5 * length, height
         if across >= 0:
-            _unfold(faces, rest, across, neighbour_sides[face, side], placed, 1, 0, side, face)
+            other_side = neighbour_sides[face, side]
+            _unfold(faces, rest, across, other_side, placed, member_count, first, np.int64(side), face)
             members[1] = across
-            member_count = 2
-            far_length, _, far_height = _apex(rest, across, neighbour_sides[face, side])
+            member_count += 1
+            far_length, _, far_height = _apex(rest, across, other_side)
             half = 0.25 * (length + far_length)
             scale_n = 0.5 * (height + far_height)
-        count = _add_node(faces[face, a], -half, 0.0, 1.0, 0, nodes[h], s, n, ring_weights)
-        count = _add_node(faces[face, b], half, 0.0, 1.0, count, nodes[h], s, n, ring_weights)
+        count = _add_node(faces[face, a], -half, 0.0, 1.0, count, own_nodes, s, n, ring_weights)
+        count = _add_node(faces[face, b], half, 0.0, 1.0, count, own_nodes, s, n, ring_weights)
         ring, ring_weight, ridge = 0, 1.0, RIDGE
-        first, added = 0, 0
         while True:
             for m in range(added, member_count):
                 for c in range(3):
                     node, s_c, n_c = faces[members[m], c], placed[m, c, 0], placed[m, c, 1]
-                    count = _add_node(node, s_c, n_c, ring_weight, count, nodes[h], s, n, ring_weights)
+                    count = _add_node(node, s_c, n_c, ring_weight, count, own_nodes, s, n, ring_weights)
             added = member_count
             if ring > 0 and (count >= 6 or ridge == LAST_RIDGE):
                 amplification, misfit = _fit(
@@ -268,7 +269,7 @@ def slope_stencils(
                     matrix,
                     residual,
                     update,
-                    weights[h],
+                    own_weights,
                 )
                 if ridge == LAST_RIDGE or (amplification < AMPLIFICATION_LIMIT and misfit < EXACTNESS):
                     break

@@ -34,7 +34,7 @@ def neighbours_across(corners: Int) -> Int:
 @helper
 def flip(corners, across, t, k):  # type: ignore[no-untyped-def]
     """Replace edge bc opposite to corner k of triangle t = abc by ad; t becomes abd and its neighbour adc."""
-    u = across[t, k]
+    u = np.int64(across[t, k])
     j = 0
     while across[u, j] != t:
         j += 1
@@ -70,7 +70,8 @@ def edge_is_delaunay(points, corners, across, t, k):  # type: ignore[no-untyped-
     j = 0
     while across[u, j] != t:
         j += 1
-    a, b, c, d = corners[t, k], corners[t, after(k)], corners[t, before(k)], corners[u, j]
+    a, b, c = corners[t, k], corners[t, after(k)], corners[t, before(k)]
+    d = corners[u, j]
     return outside_circumcircle(
         points[a, 0],
         points[a, 1],
@@ -99,7 +100,7 @@ def flip_to_delaunay(points, corners, across, stack):  # type: ignore[no-untyped
             depth = 1
             while depth > 0 and flips < limit:
                 depth -= 1
-                t = stack[depth]
+                t = np.int64(stack[depth])
                 for k in range(3):
                     if not edge_is_delaunay(points, corners, across, t, k):
                         u = flip(corners, across, t, k)

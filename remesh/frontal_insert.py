@@ -8,6 +8,7 @@ edges are never split.
 
 import math
 
+import numpy as np
 from numba import types
 
 from toile.geometry.kernel import F64_1, F64_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
@@ -65,14 +66,9 @@ def candidate(points, corners, t, size, use_centre):  # type: ignore[no-untyped-
         if squared < short:
             best, short = k, squared
     a, b, c = corners[t, best], corners[t, after(best)], corners[t, before(best)]
-    ax, ay, bx, by, cx, cy = (
-        points[a, 0],
-        points[a, 1],
-        points[b, 0],
-        points[b, 1],
-        points[c, 0],
-        points[c, 1],
-    )
+    ax, ay = points[a, 0], points[a, 1]
+    bx, by = points[b, 0], points[b, 1]
+    cx, cy = points[c, 0], points[c, 1]
     # Height of the circumcentre above the middle of bc: |bc|/2 cot(angle at a).
     cos_a = (bx - ax) * (cx - ax) + (by - ay) * (cy - ay)
     twice = turn(ax, ay, bx, by, cx, cy)
@@ -173,9 +169,10 @@ def insert_points(  # type: ignore[no-untyped-def]
         # Legalise: turn about p; corner 0 of every triangle of its star is p.
         spoke = inside
         start = inside
+        tip = np.int64(0)  # typed: a literal would be a second specialisation of the two helpers
         while True:
-            if not edge_is_delaunay(points, corners, across, spoke, 0):
-                flip(corners, across, spoke, 0)
+            if not edge_is_delaunay(points, corners, across, spoke, tip):
+                flip(corners, across, spoke, tip)
                 start = spoke
                 continue
             spoke = across[spoke, 1]

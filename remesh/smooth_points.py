@@ -46,9 +46,9 @@ def smooth_points(points, corners, size, offsets, around, first, passes, enough)
             total, sx, sy = 0.0, 0.0, 0.0
             for i in range(offsets[v], offsets[v + 1]):
                 a, b, c = corners[around[i], 0], corners[around[i], 1], corners[around[i], 2]
-                ax, ay, bx, by, cx, cy = (
-                    points[a, 0], points[a, 1], points[b, 0], points[b, 1], points[c, 0], points[c, 1],
-                )  # fmt: skip
+                ax, ay = points[a, 0], points[a, 1]
+                bx, by = points[b, 0], points[b, 1]
+                cx, cy = points[c, 0], points[c, 1]
                 wanted = size[a] + size[b] + size[c]
                 weight = abs(turn(ax, ay, bx, by, cx, cy)) / (wanted * wanted * wanted)
                 total += weight

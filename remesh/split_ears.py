@@ -41,8 +41,10 @@ def split_ears(points, corners, across, border_count, sharpest):  # type: ignore
         d = corners[u, j]
         if d < border_count:
             continue
-        ax, ay, bx, by = points[a, 0], points[a, 1], points[b, 0], points[b, 1]
-        cx, cy, dx, dy = points[c, 0], points[c, 1], points[d, 0], points[d, 1]
+        ax, ay = points[a, 0], points[a, 1]
+        bx, by = points[b, 0], points[b, 1]
+        cx, cy = points[c, 0], points[c, 1]
+        dx, dy = points[d, 0], points[d, 1]
         dot = (bx - ax) * (cx - ax) + (by - ay) * (cy - ay)
         lengths = (((bx - ax) ** 2 + (by - ay) ** 2) * ((cx - ax) ** 2 + (cy - ay) ** 2)) ** 0.5
         diagonal = (dx - ax) ** 2 + (dy - ay) ** 2

@@ -66,11 +66,12 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
     lambda f_u); across that plane it is |I6|, twice, on (d, s d) with s the sign of I6 and d perpendicular to
     w = f_u + s f_v.
     """
-    f = np.empty((2, 3))
-    w, q = np.empty(3), np.empty((2, 3))
-    stress, huu, huv, hvv = np.empty((2, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    f, stress, q = np.empty((2, 3), np.float64), np.empty((2, 3), np.float64), np.empty((2, 3), np.float64)
+    huu, huv, hvv = np.empty((3, 3), np.float64), np.empty((3, 3), np.float64), np.empty((3, 3), np.float64)
+    w = np.empty(3, np.float64)
     for t in range(len(faces)):
-        area, k_u, k_v, k_s = shape[t, 0], shape[t, 1], shape[t, 2], shape[t, 3]
+        area = shape[t, 0]
+        k_u, k_v, k_s = shape[t, 1], shape[t, 2], shape[t, 3]
         i, j, k = faces[t, 0], faces[t, 1], faces[t, 2]
         for c in range(3):
             f[0, c] = shape[t, 4] * x[i, c] + shape[t, 5] * x[j, c] + shape[t, 6] * x[k, c]
@@ -126,7 +127,8 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
         for pair in range(6):
             a = pair if pair < 3 else (0 if pair < 5 else 1)
             b = pair if pair < 3 else (1 if pair == 3 else 2)
-            du_a, dv_a, du_b, dv_b = shape[t, 4 + a], shape[t, 7 + a], shape[t, 4 + b], shape[t, 7 + b]
+            du_a, dv_a = shape[t, 4 + a], shape[t, 7 + a]
+            du_b, dv_b = shape[t, 4 + b], shape[t, 7 + b]
             for r in range(3):
                 for c in range(3):
                     hessian[t, pair, r, c] = (

@@ -252,8 +252,8 @@ def _assemble_coarse_contacts(
 ) -> None:
     """Add Z^T w w^T x K Z to the lower band, one contact at a time."""
     bodies = np.empty(4, np.int64)
-    motion = np.zeros((4, 3, 6))
-    force = np.zeros((3, 6))
+    motion = np.empty((4, 3, 6), np.float64)
+    force = np.empty((3, 6), np.float64)
     for contact in range(nodes.shape[0]):
         count = 0
         for a in range(4):

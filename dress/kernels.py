@@ -1,0 +1,71 @@
+"""Load kernels; on a first run, compile them in two processes at once."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+DRAPE_KERNELS = (
+    "toile.engine.forces.membrane",
+    "toile.engine.assembly",
+    "toile.engine.linear_system",
+    "toile.engine.cg",
+    "toile.engine.preconditioner.block_jacobi",
+    "toile.engine.preconditioner.gauss_seidel",
+    "toile.collide.guard",
+    "toile.engine.forces.contact",
+    "toile.engine.preconditioner.aggregates",
+    "toile.engine.preconditioner.band_cholesky",
+    "toile.engine.preconditioner.rigid_coarse",
+    "toile.collide.bvh",
+    "toile.collide.candidates",
+    "toile.collide.search",
+    "toile.collide.shrunken",
+    "toile.geometry.slope_stencil",
+)
+PANEL_KERNELS = (
+    "toile.remesh.smooth_points",
+    "toile.remesh.split_ears",
+    "toile.remesh.delaunay_flip",
+    "toile.remesh.frontal_insert",
+)
+PICTURE_KERNELS = ("toile.dress.rasterizer", "toile.dress.shading")
+"""Modules that hold kernels, those that others import before those."""
+
+IMPORT_ALL = "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]"
+
+
+def load_kernels(modules: Sequence[str]) -> None:
+    """Import modules that hold kernels: what no earlier run has compiled is compiled, and stored on disk.
+
+    Where nothing is stored yet, a second process works through the list from its end; what it has stored
+    when this one gets there is loaded. Without it, or if it fails, this process compiles everything.
+    """
+    from toile.geometry.kernel import WARM
+
+    helper = None if WARM else start_helper(modules[::-1])
+    try:
+        for name in modules:
+            import_module(name)
+    finally:
+        if helper is not None:
+            helper.kill()
+            helper.wait()
+
+
+def start_helper(modules: Sequence[str]) -> subprocess.Popen[bytes] | None:
+    """Start a process that compiles the kernels of these modules; None where that is of no use."""
+    # A program that embeds Python may name itself as the executable.
+    if (os.cpu_count() or 1) < 2 or "python" not in Path(sys.executable or "").name.lower():
+        return None
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-P", "-c", IMPORT_ALL, *modules]
+    try:
+        return subprocess.Popen(
+            command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+    except (OSError, ValueError):
+        return None
