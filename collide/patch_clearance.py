@@ -1,0 +1,243 @@
+"""Whether local changes of a cloth mesh (flipped and collapsed edges) leave it free of crossings, with a gap.
+
+Two triangles meet if an edge of one passes through the other, or if a vertex of one is too close to the
+face of the other, or an edge of one too close to an edge of the other. The distances settle all that is
+nearly touching or nearly coplanar, so that the piercing test decides clear cases only.
+"""
+
+import numpy as np
+from numba import types
+
+from toile.collide import bvh
+from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.collide.search import AvatarSurface
+from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, helper, kernel
+
+TOUCH = 1e-6
+"""Distance over longest side of the new triangle below which triangles that share a node touch elsewhere."""
+FOLD = 1e-3
+"""Angle between two triangles at their common edge below which they lie on each other [rad]."""
+
+
+@helper
+def _squared_distance(p, i, j):  # type: ignore[no-untyped-def]
+    x, y, z = p[i, 0] - p[j, 0], p[i, 1] - p[j, 1], p[i, 2] - p[j, 2]
+    return x * x + y * y + z * z
+
+
+@helper
+def _shared_corners(p, weld, triangles, a, b, touch):  # type: ignore[no-untyped-def]
+    """How many corners of a are welded to one of b, how many of them lie at its place, the last unwelded."""
+    welded = 0
+    joined = 0
+    lone = -1
+    for k in range(3):
+        i = triangles[a, k]
+        twin = -1
+        for m in range(3):
+            if weld[i] == weld[triangles[b, m]]:
+                twin = triangles[b, m]
+        if twin < 0:
+            lone = k
+            continue
+        welded += 1
+        if _squared_distance(p, i, twin) <= touch * touch:
+            joined += 1
+    return welded, joined, lone
+
+
+@helper
+def _folded(p, u, v, a, b, touch):  # type: ignore[no-untyped-def]
+    """Whether triangles uva and uvb lie on each other, or one of them has no width."""
+    ex, ey, ez = p[v, 0] - p[u, 0], p[v, 1] - p[u, 1], p[v, 2] - p[u, 2]
+    ax, ay, az = p[a, 0] - p[u, 0], p[a, 1] - p[u, 1], p[a, 2] - p[u, 2]
+    bx, by, bz = p[b, 0] - p[u, 0], p[b, 1] - p[u, 1], p[b, 2] - p[u, 2]
+    ee = ex * ex + ey * ey + ez * ez
+    if ee <= touch * touch:
+        return True
+    s = (ax * ex + ay * ey + az * ez) / ee
+    t = (bx * ex + by * ey + bz * ez) / ee
+    ax, ay, az = ax - s * ex, ay - s * ey, az - s * ez
+    bx, by, bz = bx - t * ex, by - t * ey, bz - t * ez
+    if min(ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz) <= touch * touch:
+        return True
+    along = ax * bx + ay * by + az * bz
+    x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    return along > 0.0 and x * x + y * y + z * z < FOLD * FOLD * along * along
+
+
+@helper
+def _too_close(p, weld, triangles, a, b, reach):  # type: ignore[no-untyped-def]
+    """Whether an unshared vertex and face, or two unshared edges, are closer than reach."""
+    for test in range(15):
+        kind = 0
+        if test < 3:
+            i, j, k, m = triangles[a, test], triangles[b, 0], triangles[b, 1], triangles[b, 2]
+        elif test < 6:
+            i, j, k, m = triangles[b, test - 3], triangles[a, 0], triangles[a, 1], triangles[a, 2]
+        else:
+            kind = 1
+            ea = (test - 6) // 3
+            eb = (test - 6) % 3
+            i, j = triangles[a, ea], triangles[a, (ea + 1) % 3]
+            k, m = triangles[b, eb], triangles[b, (eb + 1) % 3]
+        one, other = weld[i], weld[j]
+        if one == weld[k] or one == weld[m] or (kind == 0 and one == other):
+            continue
+        if kind == 1 and (other == weld[k] or other == weld[m]):
+            continue
+        wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
+        x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
+        if length(x, y, z) < reach:
+            return True
+    return False
+
+
+@helper
+def _pierces(p, weld, i, j, a, b, c, touch):  # type: ignore[no-untyped-def]
+    """Whether edge ij, which shares no node with triangle abc, passes through it.
+
+    Only where its ends are farther than `touch` from the plane, on both sides: an edge that passes with an
+    end nearer than that comes as close to a side of the triangle, or its end does to the face.
+    """
+    for node in (i, j):
+        if weld[node] == weld[a] or weld[node] == weld[b] or weld[node] == weld[c]:
+            return False
+    x, y, z = p[i, 0], p[i, 1], p[i, 2]
+    dx, dy, dz = p[j, 0] - x, p[j, 1] - y, p[j, 2] - z
+    ax, ay, az = p[a, 0] - x, p[a, 1] - y, p[a, 2] - z
+    bx, by, bz = p[b, 0] - x, p[b, 1] - y, p[b, 2] - z
+    cx, cy, cz = p[c, 0] - x, p[c, 1] - y, p[c, 2] - z
+    ux, uy, uz = bx - ax, by - ay, bz - az
+    vx, vy, vz = cx - ax, cy - ay, cz - az
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    limit = touch * touch * (nx * nx + ny * ny + nz * nz)
+    above = -(nx * ax + ny * ay + nz * az)
+    beyond = above + nx * dx + ny * dy + nz * dz
+    if above * above <= limit or beyond * beyond <= limit or (above > 0.0) == (beyond > 0.0):
+        return False
+    # Turning sense of each side of the triangle about the edge.
+    ab = dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
+    bc = dx * (by * cz - bz * cy) + dy * (bz * cx - bx * cz) + dz * (bx * cy - by * cx)
+    ca = dx * (cy * az - cz * ay) + dy * (cz * ax - cx * az) + dz * (cx * ay - cy * ax)
+    return (ab >= 0.0 and bc >= 0.0 and ca >= 0.0) or (ab <= 0.0 and bc <= 0.0 and ca <= 0.0)
+
+
+@kernel(types.void(F64_2, I32_1, I32_2, I32_2, F64_1, OUT_BOOL_1))
+def _judge_pairs(p, weld, triangles, pairs, gap, meets):  # type: ignore[no-untyped-def]
+    """Write for every pair (new triangle, other triangle) whether the two meet."""
+    for row in range(pairs.shape[0]):
+        a = pairs[row, 0]
+        b = pairs[row, 1]
+        longest = 0.0
+        for k in range(3):
+            longest = max(longest, _squared_distance(p, triangles[a, k], triangles[a, (k + 1) % 3]))
+        touch = TOUCH * np.sqrt(longest)
+        welded, joined, lone_a = _shared_corners(p, weld, triangles, a, b, touch)
+        _, joined_b, lone_b = _shared_corners(p, weld, triangles, b, a, touch)
+        if joined == 3 or joined_b == 3:
+            meets[row] = True
+            continue
+        if joined == 2 and joined_b == 2 and lone_a >= 0 and lone_b >= 0:
+            u, v = triangles[a, (lone_a + 1) % 3], triangles[a, (lone_a + 2) % 3]
+            meets[row] = _folded(p, u, v, triangles[a, lone_a], triangles[b, lone_b], touch)
+            continue
+        reach = touch if welded > 0 else max(gap[row], touch)
+        meet = _too_close(p, weld, triangles, a, b, reach)
+        test = 0
+        while test < 6 and not meet:
+            one, other = (a, b) if test < 3 else (b, a)
+            i, j = triangles[one, test % 3], triangles[one, (test + 1) % 3]
+            meet = _pierces(
+                p, weld, i, j, triangles[other, 0], triangles[other, 1], triangles[other, 2], touch
+            )
+            test += 1
+        meets[row] = meet
+
+
+def _boxes(positions: Float, faces: Int) -> Float:
+    """Lower and upper corner of every face [m], shape (t, 6)."""
+    a, b, c = (positions[faces[:, k]] for k in range(3))
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    return np.concatenate([low, high], axis=1)
+
+
+def clear_proposals(
+    positions: Float, faces: Int, weld: Int, triangles: Int, owner: Int, removed: Int, removed_owner: Int,
+    count: int, avatar: AvatarSurface | None, gap_self: float, gap_body: float,
+) -> Bool:  # fmt: skip
+    """Which proposals may be carried out together without a crossing, shape (count,).
+
+    A proposal replaces faces by new triangles among existing nodes. It is clear if none of its triangles
+    meets a face of the cloth that it keeps, a face of the avatar, another of its own triangles, or a
+    triangle of a clear proposal of lower index. Triangles meet if they
+
+    - share no node, and cross or are closer than the gap. The gap is a floor and knows nothing of the old
+      faces: choose it well below the distance that contacts keep, or cloth at rest on a body is refused.
+    - share nodes, and cross or touch (`TOUCH`) elsewhere.
+    - share an edge, and lie on each other (`FOLD`), or one of them has no width; or share all nodes.
+
+    Faces that another proposal removes still count: proposals that were clear stay so whichever of them are
+    carried out. Proposals that remove the same face exclude each other, which the caller must see to.
+
+    Parameters
+    ----------
+    positions
+        Cloth nodes [m], shape (n, 3).
+    faces
+        Current cloth faces, shape (t, 3).
+    weld
+        Nodes with the same number, less than n, count as one, shape (n,). While they are apart (an open
+        seam), only the parts of the triangles that they do not belong to are tested.
+    triangles, owner
+        New triangles, shape (q, 3), and which proposal each belongs to, shape (q,).
+    removed, removed_owner
+        Faces that are removed, and which proposal removes each, shape (r,).
+    count
+        How many proposals there are.
+    avatar
+        The body at its current place. Its hierarchy is left fitted to the plain faces.
+    gap_self, gap_body
+        Least distance between new triangles and cloth or avatar that they do not share a node with [m].
+    """
+    clear = np.ones(count, bool)
+    if len(triangles) == 0:
+        return clear
+    new, kept = len(triangles), len(faces)
+    boxes_new = _boxes(positions, triangles)
+    sides = (boxes_new[:, 3:] - boxes_new[:, :3]).sum(axis=1, keepdims=True)
+    grow = np.maximum(max(gap_self, gap_body), TOUCH * sides)
+    boxes_new += np.concatenate([np.tile(-grow, 3), np.tile(grow, 3)], axis=1)
+    tree_new = bvh.build(boxes_new)
+
+    among = bvh.self_overlapping_pairs(tree_new, boxes_new)
+    boxes = _boxes(positions, faces)
+    cloth = bvh.overlapping_pairs(tree_new, boxes_new, bvh.build(boxes), boxes)
+    removals = removed_owner.astype(np.int64) * kept + removed
+    cloth = cloth[~np.isin(owner[cloth[:, 0]].astype(np.int64) * kept + cloth[:, 1], removals)]
+    points, welded, corners = positions, weld, [triangles, faces]
+    body = np.empty((0, 2), np.int32)
+    if avatar is not None:
+        tree = avatar.tree(np.zeros(len(avatar.vertices)))
+        body = bvh.overlapping_pairs(tree_new, boxes_new, tree, avatar.boxes)
+        points = np.concatenate([positions, avatar.vertices])
+        welded = np.concatenate([weld, np.arange(len(positions), len(points), dtype=np.int32)])
+        corners.append(avatar.faces + np.int32(len(positions)))
+
+    cloth[:, 1] += np.int32(new)
+    body[:, 1] += np.int32(new + kept)
+    pairs = np.concatenate([among, cloth, body])
+    gap = np.full(len(pairs), gap_self)
+    gap[len(among) + len(cloth) :] = gap_body
+    meets = np.empty(len(pairs), bool)
+    _judge_pairs(points, welded, np.concatenate(corners), pairs, gap, meets)
+
+    met = owner[among[meets[: len(among)]]]
+    own = met[:, 0] == met[:, 1]
+    clear[met[own, 0]] = False
+    clear[owner[pairs[len(among) :][meets[len(among) :], 0]]] = False
+    rivals = np.sort(met[~own], axis=1)
+    for high, low in np.unique(rivals[:, ::-1], axis=0):
+        clear[high] &= not clear[low]
+    return clear
