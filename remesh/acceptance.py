@@ -23,7 +23,7 @@ class Proposals(NamedTuple):
         The proposal that each replaced face belongs to, shape (r,).
     face_nodes
         All faces before the changes, as node triples, shape (t, 3).
-    count
+    proposal_count
         Number of proposals.
     """
 
@@ -32,7 +32,7 @@ class Proposals(NamedTuple):
     removed: Int
     removed_owner: Int
     face_nodes: Int
-    count: int
+    proposal_count: int
 
 
 class Accept(Protocol):
@@ -58,8 +58,8 @@ class Gate:
 
     def passed(self, positions: Float, proposals: Proposals, keys: npt.NDArray[np.int64]) -> Bool:
         """Tell which proposals are accepted, shape (p,); remembers the keys of the others."""
-        if self._accept is None or not proposals.count:
-            return np.ones(proposals.count, bool)
+        if self._accept is None or not proposals.proposal_count:
+            return np.ones(proposals.proposal_count, bool)
         accepted = np.asarray(self._accept(positions, proposals), bool)
         self._refused = np.concatenate([self._refused, keys[~accepted]])
         return accepted

@@ -36,25 +36,27 @@ class AdaptResult(NamedTuple):
 def adapt(mesh: ClothMesh, tensors: Float, accept: Accept | None = None) -> AdaptResult:
     """Flip, split and collapse edges until none is longer than 1 in the metric or could well be longer.
 
-    `tensors` (m, 3, 3) [1/m^2] give the wanted edge length 1 / sqrt(e . M e) in direction e at every material
-    vertex. Flips and collapses, which move the surface, are carried out where `accept` lets them; splits leave
-    it in place. The rest shape, and with it mass, stays exactly what it is.
+    `tensors` (m, 3, 3) [1/m^2] give the wanted edge length 1 / sqrt(e . M e) in direction e at every
+    material vertex. Flips and collapses, which move the surface, are carried out where `accept` lets them;
+    splits leave it in place. The rest shape, and with it mass, stays exactly what it is.
 
     Raises ValueError if `tensors` do not fit the mesh.
     """
     if tensors.shape != (len(mesh.rest), 3, 3):
         raise ValueError(f"tensors must have shape ({len(mesh.rest)}, 3, 3), got {tensors.shape}")
     work, gate = MeshInWork.start(mesh, tensors), Gate(accept)
-    splits = collapses = rounds = 0
+    splits = collapses = 0
     flips = flip_edges(work, gate)
     for rounds in range(1, MAX_ROUNDS + 1):
-        changes = splits + collapses
+        splits_before, collapses_before = splits, collapses
         while (done := split_round(work))[0]:
             splits += done[0]
             flips += flip_edges(work, gate, done[1])
+        if rounds > 1 and splits == splits_before:
+            break
         while (done := collapse_round(work, gate))[0]:
             collapses += done[0]
             flips += flip_edges(work, gate, done[1])
-        if splits + collapses == changes:
+        if collapses == collapses_before:
             break
     return AdaptResult(*work.finish(mesh), splits, flips, collapses, rounds)

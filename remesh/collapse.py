@@ -11,7 +11,7 @@ from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.removable_nodes import Merges, possible_merges
 
 LONGEST_NEW = 0.9
-"""Longest edge that a collapse may make, in the metric: well below what is split, so that nothing oscillates."""
+"""Longest edge that a collapse may make, in the metric: well below what is split, or both would alternate."""
 
 
 def collapse_round(work: MeshInWork, gate: Gate) -> tuple[int, Bool]:
@@ -87,7 +87,7 @@ def _proposals(work: MeshInWork, merges: Merges) -> Proposals:
         removed=changed,
         removed_owner=owner[changed],
         face_nodes=work.face_nodes,
-        count=len(merges.removed),
+        proposal_count=len(merges.removed),
     )
 
 

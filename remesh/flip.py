@@ -9,6 +9,7 @@ from toile.remesh.edge_size import metric_aspects
 from toile.remesh.mesh_edges import INNER, MeshEdges, corner_after, in_sorted, pair_keys
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.packed_tensor import inner_product
+from toile.remesh.row_products import row_cross, row_dot
 
 FLIP_MARGIN = 0.05
 """Sine of the angle by which opposite angles must exceed 180 degrees together: near a tie nothing flips, or
@@ -27,13 +28,20 @@ def flip_edges(work: MeshInWork, gate: Gate, touched: Bool | None = None) -> int
     edges = work.edges
     active = np.flatnonzero(edges.kind == INNER).astype(np.int32)
     if touched is not None:
-        active = np.unique(edges.face_edges[touched])
+        active = _edges_of(edges, touched)
     flips = 0
     while len(active):
         flipped = _flip_round(work, gate, active)
         flips += len(flipped)
-        active = np.unique(edges.face_edges[edges.faces[flipped].ravel()])
+        active = _edges_of(edges, edges.faces[flipped].ravel())
     return flips
+
+
+def _edges_of(edges: MeshEdges, faces: Bool | Int) -> Int:
+    """Edges of some faces, in order, shape (k,)."""
+    marked = np.zeros(len(edges.nodes), bool)
+    marked[edges.face_edges[faces]] = True
+    return np.flatnonzero(marked).astype(np.int32)
 
 
 def _flip_round(work: MeshInWork, gate: Gate, active: Int) -> Int:
@@ -48,8 +56,8 @@ def _flip_round(work: MeshInWork, gate: Gate, active: Int) -> Int:
     chosen = chosen[np.argsort(-excess[chosen], kind="stable")]
     chosen = chosen[first_disjoint(edges.faces[active[chosen]], len(work.faces))]
     quads, flipping = quads[chosen], active[chosen]
-    a, b, c, d = work.node[quads].T
-    _, first = np.unique(pair_keys(a, d), return_index=True)
+    ends = work.node[quads[:, [0, 3]]]
+    _, first = np.unique(pair_keys(ends[:, 0], ends[:, 1]), return_index=True)
     first.sort()
     accepted = first[_passed(work, gate, quads[first], flipping[first])]
     _apply(work, quads[accepted], flipping[accepted])
@@ -70,7 +78,7 @@ def _excess(work: MeshInWork, quads: Int, face: Int) -> Float:
     Positive if bc is not Delaunay (Bossen and Heckbert 1996).
     """
     a, b, c, d = quads.T
-    warp, weft = work.frames[face, :, 0], work.frames[face, :, 1]
+    warp, weft = work.frames[face].transpose(2, 0, 1)
     mean = 0.25 * (work.tensors[a] + work.tensors[b] + work.tensors[c] + work.tensors[d])
     uu, vv = inner_product(mean, warp, warp), inner_product(mean, weft, weft)
     uv = inner_product(mean, warp, weft)
@@ -81,7 +89,7 @@ def _excess(work: MeshInWork, quads: Int, face: Int) -> Float:
 
     def mapped(start: Int, end: Int) -> tuple[Float, Float]:
         along = work.rest[end] - work.rest[start]
-        x, y = (along * warp).sum(axis=1), (along * weft).sum(axis=1)
+        x, y = row_dot(along, warp), row_dot(along, weft)
         return p * x + q * y, r * y
 
     abx, aby = mapped(a, b)
@@ -109,7 +117,7 @@ def _allowed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
     new = _new_faces(quads).reshape(-1, 3)
     normal = work.normals[np.repeat(face[:, 0], 2)]
     ab, ac = work.rest[new[:, 1]] - work.rest[new[:, 0]], work.rest[new[:, 2]] - work.rest[new[:, 0]]
-    upright = (np.cross(ab, ac) * normal).sum(axis=1) > 0.0
+    upright = row_dot(row_cross(ab, ac), normal) > 0.0
     aspect = metric_aspects(new, work.rest, work.tensors) * upright
     old = metric_aspects(work.faces[face.ravel()], work.rest, work.tensors)
     worst_new, worst_old = aspect.reshape(-1, 2).min(axis=1), old.reshape(-1, 2).min(axis=1)
@@ -125,7 +133,7 @@ def _passed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
         removed=work.edges.faces[flipping].ravel(),
         removed_owner=owner,
         face_nodes=work.face_nodes,
-        count=len(quads),
+        proposal_count=len(quads),
     )
     ends = work.edges.nodes[flipping]
     return gate.passed(work.positions, proposals, pair_keys(ends[:, 0], ends[:, 1]))

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
+from toile.remesh.row_products import row_dot
 
 INNER, SEAM, BORDER, TANGLED = 0, 1, 2, 3
 """Two faces of one panel; two faces of different panels; one face; more faces, or only one node."""
@@ -72,7 +73,8 @@ def in_sorted(values: npt.NDArray[np.int64], ordered: npt.NDArray[np.int64]) -> 
 
 def corner_after(faces: Int, face: Int, corner: Int, steps: int) -> Int:
     """Return the entry of `faces` some corners after `corner`, shape (k,)."""
-    return np.asarray(faces[face, (corner + steps) % 3])
+    flat = 3 * face.astype(np.intp) + (corner + steps) % 3
+    return np.asarray(faces.ravel().take(flat))
 
 
 def build_edges(
@@ -116,9 +118,9 @@ def build_edges(
     inner = two[same]
     far = rest[faces[u[same], j[same]]] - rest[b[same]]
     normal = normals[t[same]]
-    height = np.abs((far * normal).sum(axis=1))
-    turned = (normal * normals[u[same]]).sum(axis=1) <= 0.0
-    creased[inner] = turned | (height > FLATNESS * np.sqrt((far * far).sum(axis=1)))
+    height = np.abs(row_dot(far, normal))
+    turned = row_dot(normal, normals[u[same]]) <= 0.0
+    creased[inner] = turned | (height > FLATNESS * np.sqrt(row_dot(far, far)))
     keys = pair_keys(topology.edges[:, 0], topology.edges[:, 1])
     return MeshEdges(
         nodes=topology.edges,

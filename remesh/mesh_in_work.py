@@ -13,6 +13,7 @@ from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.cloth_mesh import ClothMesh
 from toile.remesh.mesh_edges import MeshEdges, build_edges, pair_keys
 from toile.remesh.packed_tensor import packed
+from toile.remesh.row_products import row_cross
 from toile.remesh.transfer import Births, TransferMap, transfer_map
 
 
@@ -54,7 +55,6 @@ class MeshInWork:
     @staticmethod
     def start(mesh: ClothMesh, tensors: Float) -> "MeshInWork":
         """Copy what may change of a mesh; `tensors` are per material vertex [1/m^2], shape (m, 3, 3)."""
-        (x0, y0), (x1, y1), (x2, y2) = mesh.frames.transpose(1, 2, 0)
         return MeshInWork(
             rest=mesh.rest,
             node=mesh.node,
@@ -66,7 +66,7 @@ class MeshInWork:
             pinned=mesh.pinned,
             frozen_keys=np.sort(pair_keys(mesh.frozen_edges[:, 0], mesh.frozen_edges[:, 1])),
             tensors=packed(tensors),
-            normals=np.stack([x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0], axis=1),
+            normals=row_cross(mesh.frames[..., 0], mesh.frames[..., 1]),
             parent=np.arange(len(mesh.faces), dtype=np.int32),
             node_alive=np.ones(len(mesh.positions), bool),
             vertex_alive=np.ones(len(mesh.rest), bool),

@@ -12,6 +12,7 @@ from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.edge_size import edge_sizes
 from toile.remesh.mesh_edges import BORDER, INNER, SEAM, TANGLED, MeshEdges, corner_after
 from toile.remesh.mesh_in_work import MeshInWork
+from toile.remesh.row_products import row_cross, row_dot
 
 STRAIGHTNESS = 1e-9
 """A point lies on a line if its distance is at most this share of the line's length."""
@@ -50,7 +51,7 @@ def possible_merges(work: MeshInWork, longest: float) -> Merges:
     allowed = np.where(line[:, None], on_line[ends], inside[ends])
     order = np.argsort(size[short], kind="stable")
     row, end = np.nonzero(allowed[order])
-    edge = short[order[row]]
+    edge = short[order[row]].astype(np.int32)
     removed, target = edges.nodes[edge, end], edges.nodes[edge, 1 - end]
     here, there = _side_vertices(work, edges, edge, removed)
     return Merges(removed, target, here, there)
@@ -80,16 +81,17 @@ def _removable(work: MeshInWork) -> tuple[Bool, Bool]:
     free = work.node_alive & ~work.kept
     fixed = edges.nodes[edges.frozen | (edges.kind == TANGLED)]
     free[fixed.ravel()] = False
-    vertex_count = np.bincount(work.node[work.vertex_alive], minlength=count)
+    vertex_count = np.bincount(work.node[work.vertex_alive], minlength=count).astype(np.int32)
     line = np.flatnonzero(_is_line(edges))
     ends = edges.nodes[line].ravel()
     line_count = np.bincount(ends, minlength=count)
     inside = free & ~work.pinned & (line_count == 0) & (vertex_count == 1)
 
     order = np.argsort(ends, kind="stable")
+    line_of = line[order // 2].astype(np.int32)
     start = np.searchsorted(ends[order], np.arange(count))
     nodes = np.flatnonzero(free & (line_count == 2)).astype(np.int32)
-    one, two = line[order[start[nodes]] // 2], line[order[start[nodes] + 1] // 2]
+    one, two = line_of[start[nodes]], line_of[start[nodes] + 1]
     on_line = np.zeros(count, bool)
     on_line[nodes] = _is_straight(work, edges, nodes, one, two, vertex_count[nodes])
     return inside, on_line
@@ -110,12 +112,13 @@ def _is_straight(work: MeshInWork, edges: MeshEdges, nodes: Int, one: Int, two: 
     row = work.node[far_one[pinned, 0]], work.node[far_two[pinned, 0]]
     in_row = np.isin(edges.kind[one[pinned]], (SEAM, BORDER)) & work.pinned[row[0]] & work.pinned[row[1]]
     straight[pinned] &= in_row & _between(work.positions, nodes[pinned], *row)
-    return straight
+    return np.asarray(straight)
 
 
 def _between(points: Float, middle: Int, a: Int, b: Int) -> Bool:
     """Tell where `middle` lies on the straight line between points a and b, shape (k,)."""
     to_a, to_b, length = points[a] - points[middle], points[b] - points[middle], points[b] - points[a]
-    twice_area = np.sqrt((np.cross(to_a, to_b) ** 2).sum(axis=1))
-    opposite = (to_a * to_b).sum(axis=1) < 0.0
-    return np.asarray(opposite & (twice_area <= STRAIGHTNESS * (length * length).sum(axis=1)))
+    twice_area = row_cross(to_a, to_b)
+    opposite = row_dot(to_a, to_b) < 0.0
+    near = np.sqrt(row_dot(twice_area, twice_area)) <= STRAIGHTNESS * row_dot(length, length)
+    return np.asarray(opposite & near)

@@ -78,7 +78,12 @@ def _product(matrix: sp.csr_array, values: Float) -> Float:
 
 
 def transfer_map(
-    births: list[Births], node_count: int, vertex_count: int, node_alive: Bool, vertex_alive: Bool, parent: Int
+    births: list[Births],
+    node_count: int,
+    vertex_count: int,
+    node_alive: Bool,
+    vertex_alive: Bool,
+    parent: Int,
 ) -> TransferMap:
     """Compose the births of a pass and drop what was removed (alive masks over old and added ones)."""
     new_node = np.cumsum(node_alive[:node_count], dtype=np.int32) - np.int32(1)
