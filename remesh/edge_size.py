@@ -12,11 +12,10 @@ from toile.remesh.packed_tensor import inner_product
 def edge_sizes(faces: Int, rest: Float, tensors: Float, edges: MeshEdges) -> Float:
     """Length of every edge in the mean metric of its ends, shape (e,); of a seam the larger of both sides.
 
-    A tangled edge, which nothing may change, counts as 0. `tensors` are packed, shape (m, 6).
+    `tensors` are packed, shape (m, 6).
     """
     squared = np.zeros(len(edges.nodes))
-    for slot, rows in enumerate((edges.faces[:, 0] >= 0, edges.kind == SEAM)):
-        chosen = np.flatnonzero(rows)
+    for slot, chosen in enumerate((np.arange(len(squared)), np.flatnonzero(edges.kind == SEAM))):
         face, side = edges.faces[chosen, slot], edges.sides[chosen, slot]
         p, q = corner_after(faces, face, side, 1), corner_after(faces, face, side, 2)
         along = rest[q] - rest[p]

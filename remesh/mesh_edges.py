@@ -27,7 +27,7 @@ class MeshEdges:
     kind
         INNER, SEAM, BORDER or TANGLED, shape (e,).
     faces
-        The one or two faces, -1 where there is none, shape (e, 2); both -1 if the edge is tangled.
+        The one or two faces, -1 where there is none, shape (e, 2); of a tangled edge the first one only.
     sides
         Which side of each face it is (side k lies opposite to corner k), shape (e, 2).
     face_edges
@@ -100,15 +100,14 @@ def build_edges(
     tangled |= (topology.edge_face_count == 2) & ~paired
     edge_faces = np.full((count, 2), -1, np.int32)
     edge_sides = np.zeros((count, 2), np.int32)
-    sound = ~tangled
-    edge_faces[sound, 0], edge_sides[sound, 0] = first[sound] // 3, first[sound] % 3
+    edge_faces[:, 0], edge_sides[:, 0] = first // 3, first % 3
     edge_faces[paired, 1] = topology.neighbours.ravel()[first[paired]]
     edge_sides[paired, 1] = topology.neighbour_sides.ravel()[first[paired]]
 
     kind = np.full(count, BORDER, np.int8)
     kind[tangled] = TANGLED
     creased = np.zeros(count, bool)
-    two = np.flatnonzero(paired & sound)
+    two = np.flatnonzero(paired)
     t, u = edge_faces[two].T
     k, j = edge_sides[two].T
     b, c = corner_after(faces, t, k, 1), corner_after(faces, t, k, 2)

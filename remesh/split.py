@@ -2,15 +2,18 @@
 
 import numpy as np
 
-from toile.geometry.arrays import Bool, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.disjoint_pairs import first_disjoint
 from toile.remesh.edge_size import edge_sizes
-from toile.remesh.mesh_edges import BORDER, SEAM, corner_after
+from toile.remesh.mesh_edges import BORDER, SEAM, TANGLED, MeshEdges, corner_after
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.transfer import Births
 
 LONGEST = 1.0
 """Edges longer than this, in the metric, are split."""
+
+BESIDE = 0.75
+"""Sides of a triangle are not split if they are shorter than this share of a side that must stay."""
 
 
 def split_round(work: MeshInWork) -> tuple[int, Bool]:
@@ -20,7 +23,7 @@ def split_round(work: MeshInWork) -> tuple[int, Bool]:
     """
     edges = work.edges
     size = edge_sizes(work.faces, work.rest, work.tensors, edges)
-    long = np.flatnonzero((size > LONGEST) & ~edges.frozen)
+    long = np.flatnonzero((size > LONGEST) & ~_must_stay(edges, size))
     long = long[np.argsort(-size[long], kind="stable")]
     long = long[first_disjoint(edges.faces[long], len(work.faces))]
     if not len(long):
@@ -49,6 +52,24 @@ def split_round(work: MeshInWork) -> tuple[int, Bool]:
     touched[halved] = True
     touched[-len(halved) :] = True
     return len(long), touched
+
+
+def _must_stay(edges: MeshEdges, size: Float) -> Bool:
+    """Edges that cannot be split, and those beside them that would be split for ever, shape (e,).
+
+    Two sides of a triangle are together longer than its third. If that one stays, halving them again and
+    again only flattens the triangle; so sides up to `BESIDE` of it stay too, and so on from side to side.
+    """
+    stay = edges.frozen | (edges.kind == TANGLED)
+    count = 0
+    while (long := stay & (size > LONGEST)).sum() > count:
+        count = int(long.sum())
+        limit = np.zeros(len(size))
+        beside = BESIDE * np.where(long, size, 0.0)[edges.face_edges].max(axis=1)
+        near = np.flatnonzero(beside > LONGEST)
+        np.maximum.at(limit, edges.face_edges[near].ravel(), np.repeat(beside[near], 3))
+        stay = stay | (size <= limit)
+    return stay
 
 
 def _ends(faces: Int, face: Int, side: Int) -> Int:
