@@ -14,15 +14,12 @@ from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.split import split_round
 from toile.remesh.transfer import TransferMap
 
-MAX_ROUNDS = 8
-"""Times that splits and collapses alternate at most; one or two suffice unless the field is very rough."""
-
 
 class AdaptResult(NamedTuple):
     """A new mesh, how data follow onto it, and what was done.
 
     Faces, nodes and material vertices that survive stay in order, new ones come after them. A face that is
-    split keeps its row for one half; a flip keeps both rows.
+    split keeps its row for one half; a flip keeps both rows. `rounds` counts batches of splits and collapses.
     """
 
     mesh: ClothMesh
@@ -45,18 +42,13 @@ def adapt(mesh: ClothMesh, tensors: Float, accept: Accept | None = None) -> Adap
     if tensors.shape != (len(mesh.rest), 3, 3):
         raise ValueError(f"tensors must have shape ({len(mesh.rest)}, 3, 3), got {tensors.shape}")
     work, gate = MeshInWork.start(mesh, tensors), Gate(accept)
-    splits = collapses = 0
+    splits = collapses = rounds = 0
     flips = flip_edges(work, gate)
-    for rounds in range(1, MAX_ROUNDS + 1):
-        splits_before, collapses_before = splits, collapses
-        while (done := split_round(work))[0]:
-            splits += done[0]
-            flips += flip_edges(work, gate, done[1])
-        if rounds > 1 and splits == splits_before:
-            break
-        while (done := collapse_round(work, gate))[0]:
-            collapses += done[0]
-            flips += flip_edges(work, gate, done[1])
-        if collapses == collapses_before:
-            break
+    while (done := split_round(work))[0]:
+        splits, rounds = splits + done[0], rounds + 1
+        flips += flip_edges(work, gate, done[1])
+    # neither a collapse nor a flip makes an edge that would have to be split
+    while (done := collapse_round(work, gate))[0]:
+        collapses, rounds = collapses + done[0], rounds + 1
+        flips += flip_edges(work, gate, done[1])
     return AdaptResult(*work.finish(mesh), splits, flips, collapses, rounds)

@@ -8,6 +8,9 @@ from toile.geometry.arrays import Float, Int
 from toile.remesh.mesh_edges import SEAM, MeshEdges, corner_after
 from toile.remesh.packed_tensor import inner_product
 
+LONGEST = 1.0
+"""Edges longer than this, in the metric, are split."""
+
 
 def edge_sizes(faces: Int, rest: Float, tensors: Float, edges: MeshEdges) -> Float:
     """Length of every edge in the mean metric of its ends, shape (e,); of a seam the larger of both sides.

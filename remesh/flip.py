@@ -5,7 +5,7 @@ import numpy as np
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.acceptance import Gate, Proposals
 from toile.remesh.disjoint_pairs import first_disjoint
-from toile.remesh.edge_size import metric_aspects
+from toile.remesh.edge_size import LONGEST, metric_aspects
 from toile.remesh.mesh_edges import INNER, MeshEdges, corner_after, in_sorted, pair_keys
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.packed_tensor import inner_product
@@ -108,11 +108,12 @@ def _new_faces(quads: Int) -> Int:
 
 
 def _allowed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
-    """Tell which flips are new edges between two nodes and make no bad triangle, shape (k,)."""
+    """Tell which flips make a new edge that need not be split and no bad triangle, shape (k,)."""
     a, d = work.node[quads[:, 0]], work.node[quads[:, 3]]
     ends = work.edges.nodes[flipping]
     allowed = (a != d) & ~in_sorted(pair_keys(a, d), work.edges.keys)
     allowed &= gate.open_to(pair_keys(ends[:, 0], ends[:, 1]))
+    allowed &= _size(work, quads[:, 0], quads[:, 3]) <= np.maximum(LONGEST, _size(work, *quads[:, 1:3].T))
     face = work.edges.faces[flipping]
     new = _new_faces(quads).reshape(-1, 3)
     normal = work.normals[np.repeat(face[:, 0], 2)]
@@ -122,6 +123,12 @@ def _allowed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
     old = metric_aspects(work.faces[face.ravel()], work.rest, work.tensors)
     worst_new, worst_old = aspect.reshape(-1, 2).min(axis=1), old.reshape(-1, 2).min(axis=1)
     return np.asarray(allowed & (worst_new > 0.0) & (worst_new >= np.minimum(WELL_SHAPED, worst_old)))
+
+
+def _size(work: MeshInWork, p: Int, q: Int) -> Float:
+    """Length in the metric between material vertices p and q, shape (k,)."""
+    along = work.rest[q] - work.rest[p]
+    return np.sqrt(inner_product(0.5 * (work.tensors[p] + work.tensors[q]), along, along))
 
 
 def _passed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:

@@ -11,6 +11,7 @@ import numpy as np
 from toile.geometry.arrays import Float, Int
 from toile.geometry.topology import triangle_topology
 from toile.remesh.cloth_mesh import ClothMesh
+from toile.remesh.packed_tensor import in_plane, lifted
 from toile.remesh.plane_tensor import eigenvalues
 from toile.remesh.sizing import SizingOptions
 
@@ -29,21 +30,19 @@ def smoothed_curvature(mesh: ClothMesh, curvature: Float, options: SizingOptions
     """
     area = np.abs(mesh.rest_area)
     weight, neighbour = _neighbour_weights(mesh, area)
-    lifted = _lifted(mesh, curvature)
+    tensors = lifted(mesh.frames, curvature)
+    going_on = np.arange(len(area))
     for step in range(1, MAX_STEPS + 1):
-        low, high = eigenvalues(_in_face(mesh, lifted))
-        sharpest = np.maximum(np.abs(low), np.abs(high))
-        size = np.clip(
-            options.refine_angle / np.maximum(sharpest, 1e-300), options.size_min, options.size_max
-        )
-        wide = np.flatnonzero(step * SQUARED_RADIUS_PER_STEP * area <= 0.25 * size * size)
-        if not len(wide):
-            break
-        around = weight[wide, 3, None] * lifted[wide]
+        average = weight[going_on, 3, None] * tensors[going_on]
         for side in range(3):
-            around += weight[wide, side, None] * lifted[neighbour[wide, side]]
-        lifted[wide] = around
-    return _in_face(mesh, lifted)
+            average += weight[going_on, side, None] * tensors[neighbour[going_on, side]]
+        low, high = eigenvalues(in_plane(mesh.frames[going_on], average))
+        sharpest = np.maximum(np.maximum(np.abs(low), np.abs(high)), 1e-300)
+        size = np.clip(options.refine_angle / sharpest, options.size_min, options.size_max)
+        wide = step * SQUARED_RADIUS_PER_STEP * area[going_on] <= 0.25 * size * size
+        going_on = going_on[wide]
+        tensors[going_on] = average[wide]
+    return in_plane(mesh.frames, tensors)
 
 
 def _neighbour_weights(mesh: ClothMesh, area: Float) -> tuple[Float, Int]:
@@ -54,13 +53,3 @@ def _neighbour_weights(mesh: ClothMesh, area: Float) -> tuple[Float, Int]:
     neighbour = np.where(real, neighbour, own).astype(np.int32)
     weight = np.concatenate([np.where(real, area[neighbour], 0.0), area[:, None]], axis=1)
     return weight / weight.sum(axis=1, keepdims=True), neighbour
-
-
-def _lifted(mesh: ClothMesh, tensors: Float) -> Float:
-    """Tensors in rest space, shape (t, 9)."""
-    return np.asarray(np.einsum("tij,tjk,tlk->til", mesh.frames, tensors, mesh.frames).reshape(-1, 9))
-
-
-def _in_face(mesh: ClothMesh, lifted: Float) -> Float:
-    """Tensors in the faces' own directions, shape (t, 2, 2)."""
-    return np.asarray(np.einsum("tji,tjk,tkl->til", mesh.frames, lifted.reshape(-1, 3, 3), mesh.frames))

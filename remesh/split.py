@@ -4,13 +4,10 @@ import numpy as np
 
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.disjoint_pairs import first_disjoint
-from toile.remesh.edge_size import edge_sizes
+from toile.remesh.edge_size import LONGEST, edge_sizes
 from toile.remesh.mesh_edges import BORDER, SEAM, TANGLED, MeshEdges, corner_after
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.transfer import Births
-
-LONGEST = 1.0
-"""Edges longer than this, in the metric, are split."""
 
 BESIDE = 0.75
 """Sides of a triangle are not split if they are shorter than this share of a side that must stay."""
@@ -69,7 +66,7 @@ def _must_stay(edges: MeshEdges, size: Float) -> Bool:
         near = np.flatnonzero(beside > LONGEST)
         np.maximum.at(limit, edges.face_edges[near].ravel(), np.repeat(beside[near], 3))
         stay = stay | (size <= limit)
-    return stay
+    return np.asarray(stay)
 
 
 def _ends(faces: Int, face: Int, side: Int) -> Int:

@@ -63,12 +63,25 @@ def random_delaunay(count: int, seed: int = 1) -> ClothMesh:
     v = np.concatenate([zero, side, one, 1 - side])
     inside = np.random.default_rng(seed).uniform(0.3 / count, 1 - 0.3 / count, (count * count, 2))
     points = np.concatenate([np.stack([u, v], axis=1), inside])
+    rest = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
+    return cloth(rest, delaunay_faces(points), positions=waving(rest))
+
+
+def jittered(count: int, seed: int = 1) -> ClothMesh:
+    """A flat unit square with an irregular mesh of even density."""
+    rest = grid_points(count, count)
+    inside = (np.abs(rest[:, :2] - 0.5) < 0.5 - 1e-9).all(axis=1)
+    rest[inside, :2] += np.random.default_rng(seed).uniform(-0.3, 0.3, (int(inside.sum()), 2)) / count
+    return cloth(rest, delaunay_faces(rest[:, :2]))
+
+
+def delaunay_faces(points: Float) -> Int:
+    """Counter-clockwise triangles with an area."""
     faces = Delaunay(points).simplices
     sides = points[faces[:, 1:]] - points[faces[:, :1]]
     area = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
     faces[area < 0] = faces[area < 0, ::-1]
-    rest = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
-    return cloth(rest, faces[np.abs(area) > 1e-12], positions=waving(rest))
+    return np.asarray(faces[np.abs(area) > 1e-12], np.int32)
 
 
 def waving(rest: Float) -> Float:
@@ -77,7 +90,7 @@ def waving(rest: Float) -> Float:
 
 
 def sewn_panels(count: int, blocks: int = 2) -> ClothMesh:
-    """`blocks` x `blocks` panels of `count` cells a side, sewn; each turned, shifted and scaled on its own."""
+    """`blocks` x `blocks` panels of `count` cells a side, sewn; each placed and scaled on its own."""
     cells = count * blocks
     points, faces = grid_points(cells, cells), grid_faces(cells, cells)
     middle = points[faces].mean(axis=1)
@@ -92,11 +105,27 @@ def sewn_panels(count: int, blocks: int = 2) -> ClothMesh:
     rest = np.ascontiguousarray((rest * scale).T) + pairs[:, :1] * [0.3, -0.2, 0.0]
     return cloth(
         rest,
-        inverse.reshape(-1, 3),
+        inverse.reshape(-1, 3).astype(np.int32),
         node=pairs[:, 1],
         positions=waving(points),
         region=panel,
     )
+
+
+def dart(count: int) -> ClothMesh:
+    """One panel with a sewn wedge from the middle of its lower side to its centre."""
+    rest, faces = grid_points(2 * count, 2 * count), grid_faces(2 * count, 2 * count)
+    slit = np.flatnonzero((rest[:, 0] == 0.5) & (rest[:, 1] < 0.5 - 1e-9))
+    node = np.concatenate([np.arange(len(rest)), slit]).astype(np.int32)
+    twin = np.arange(len(rest), dtype=np.int32)
+    twin[slit] = len(rest) + np.arange(len(slit), dtype=np.int32)
+    right = rest[faces].mean(axis=1)[:, 0] > 0.5
+    faces[right] = twin[faces[right]]
+    positions = waving(rest)
+    rest = np.concatenate([rest, rest[slit]])
+    opening = 0.1 * (0.5 - rest[len(positions) :, 1])
+    rest[len(positions) :, 0] += opening
+    return cloth(rest, faces, node=node, positions=positions)
 
 
 def sphere_cap(count: int) -> ClothMesh:
@@ -160,9 +189,6 @@ def panel_areas(mesh: ClothMesh) -> Float:
     return np.asarray(np.bincount(mesh.region, weights=mesh.rest_area))
 
 
-def with_pins(mesh: ClothMesh, *, pinned: Int | None = None, kept: Int | None = None) -> ClothMesh:
-    marks = [
-        np.isin(np.arange(len(mesh.positions)), nodes if nodes is not None else [])
-        for nodes in (pinned, kept)
-    ]
-    return replace(mesh, pinned=marks[0], kept=marks[1])
+def with_pins(mesh: ClothMesh, *, pinned: list[int], kept: list[int]) -> ClothMesh:
+    nodes = np.arange(len(mesh.positions))
+    return replace(mesh, pinned=np.isin(nodes, pinned), kept=np.isin(nodes, kept))

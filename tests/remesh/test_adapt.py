@@ -9,6 +9,7 @@ import pytest
 from tests.remesh.cloth_samples import (
     check_surface,
     cloth,
+    dart,
     euler_characteristic,
     grid_faces,
     grid_points,
@@ -22,7 +23,7 @@ from tests.remesh.cloth_samples import (
     uniform,
     with_pins,
 )
-from toile.geometry.arrays import Bool, Float
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
 from toile.remesh.acceptance import Proposals
 from toile.remesh.adapt import AdaptResult, adapt
@@ -35,6 +36,7 @@ STARTS: dict[str, Callable[[], ClothMesh]] = {
     "random": lambda: random_delaunay(12),
     "panels": lambda: sewn_panels(6),
     "cap": lambda: sphere_cap(8),
+    "dart": lambda: dart(6),
 }
 
 
@@ -47,7 +49,7 @@ def longest_edge(result: AdaptResult, tensors: Float) -> float:
         along = mesh.rest[q] - mesh.rest[p]
         mean = 0.5 * (carried[p] + carried[q])
         longest = max(longest, float(np.einsum("ei,eij,ej->e", along, mean, along).max()))
-    return longest**0.5
+    return float(np.sqrt(longest))
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -98,7 +100,7 @@ def test_same_field_again_changes_nothing(start: str) -> None:
     again = adapt(first.mesh, first.transfer.at_vertices(tensors))
     assert (again.splits, again.flips, again.collapses) == (0, 0, 0)
     assert same(again.mesh, first.mesh)
-    assert (again.transfer.nodes != np.eye(len(first.mesh.positions))).sum() == 0
+    assert np.array_equal(again.transfer.nodes.toarray(), np.eye(len(first.mesh.positions)))
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -191,7 +193,7 @@ def test_two_fabrics_in_one_piece_keep_their_areas_and_share_vertices() -> None:
 def test_kept_and_pinned_nodes_stay_and_pinned_lines_stay_pinned() -> None:
     flat = right_grid(12)
     top = np.flatnonzero(flat.rest[:, 1] == 1.0)
-    mesh = with_pins(replace(flat, positions=flat.rest), pinned=top, kept=np.array([80, 81]))
+    mesh = with_pins(replace(flat, positions=flat.rest), pinned=top.tolist(), kept=[80, 81])
     fine = adapt(mesh, uniform(mesh, 0.02))
     on_top = fine.mesh.rest[:, 1] == 1.0
     assert on_top.sum() > len(top)
@@ -208,7 +210,7 @@ def test_kept_and_pinned_nodes_stay_and_pinned_lines_stay_pinned() -> None:
 def test_pinned_nodes_off_a_straight_line_are_never_removed() -> None:
     flat = right_grid(12)
     top = np.flatnonzero(flat.rest[:, 1] == 1.0)
-    mesh = with_pins(flat, pinned=np.concatenate([top, [50]]))
+    mesh = with_pins(flat, pinned=[*top.tolist(), 50], kept=[])
     result = adapt(mesh, uniform(mesh, 0.5))
     assert result.collapses > 0
     assert (result.transfer.node_indices(np.append(top, 50)) >= 0).all()
@@ -265,7 +267,27 @@ def test_proposals_describe_the_change_and_are_not_repeated() -> None:
     assert result.collapses > 0 and len(seen) > 0
 
 
-def outline(triangles: Float) -> set[tuple[int, int]]:
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("seed", range(4))
+def test_rough_fields_and_random_refusals_leave_a_surface(start: str, seed: int) -> None:
+    random = np.random.default_rng(seed)
+
+    def moody(positions: Float, proposals: Proposals) -> Bool:
+        return np.asarray(random.random(proposals.proposal_count) < 0.7)
+
+    mesh = STARTS[start]()
+    for _ in range(3):
+        factors = random.normal(size=(len(mesh.rest), 3, 3)) * 10.0
+        tensors = factors @ factors.transpose(0, 2, 1) + np.eye(3)
+        result = adapt(mesh, tensors, moody)
+        check_surface(result.mesh)
+        assert euler_characteristic(result.mesh) == euler_characteristic(mesh)
+        assert np.abs(panel_areas(result.mesh) / panel_areas(mesh) - 1.0).max() < 1e-12
+        assert longest_edge(result, tensors) <= 1.0
+        mesh = result.mesh
+
+
+def outline(triangles: Int) -> set[tuple[int, int]]:
     """Directed sides without a reverse."""
     sides = {(int(t[k]), int(t[(k + 1) % 3])) for t in triangles for k in range(3)}
     return {side for side in sides if side[::-1] not in sides}
