@@ -4,7 +4,7 @@ import math
 
 from numba import types
 
-from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_BOOL_1, helper, kernel
+from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, OUT_I32_1, helper, kernel
 
 LEAST_ASPECT = 0.2
 """A merge may not make triangles worse than this, in the metric, unless they were as bad before."""
@@ -69,16 +69,6 @@ def has_node(faces, node, t, i):  # type: ignore[no-untyped-def]
 
 
 @helper
-def share_face(offsets, around, faces, node, i, k, without):  # type: ignore[no-untyped-def]
-    """Tell whether some face of node i has node k but not node `without` (-1: no such node)."""
-    for r in range(offsets[i], offsets[i + 1]):
-        t = around[r]
-        if has_node(faces, node, t, k) and (without < 0 or not has_node(faces, node, t, without)):
-            return True
-    return False
-
-
-@helper
 def is_blocked(offsets, around, faces, node, used, is_target, i, j):  # type: ignore[no-untyped-def]
     """Tell whether merging i into j touches a merge already taken.
 
@@ -98,7 +88,7 @@ def is_blocked(offsets, around, faces, node, used, is_target, i, j):  # type: ig
 
 @helper
 def keeps_shape(  # type: ignore[no-untyped-def]
-    offsets, around, faces, node, rest, tensors, normals, i, j, v0, w0, w1, longest
+    offsets, around, faces, node, rest, tensors, normals, aspects, i, j, v0, w0, w1, longest
 ):
     """Tell whether all new edges are short enough and all new triangles well shaped.
 
@@ -114,7 +104,8 @@ def keeps_shape(  # type: ignore[no-untyped-def]
             corner += 1
         b, c = faces[t, (corner + 1) % 3], faces[t, (corner + 2) % 3]
         w = w0 if faces[t, corner] == v0 else w1
-        for k in (b, c):
+        for step in (1, 2):
+            k = faces[t, (corner + step) % 3]
             x, y, z = rest[k, 0] - rest[w, 0], rest[k, 1] - rest[w, 1], rest[k, 2] - rest[w, 2]
             if squared_size(tensors, w, k, x, y, z) > longest * longest:
                 return False
@@ -125,48 +116,50 @@ def keeps_shape(  # type: ignore[no-untyped-def]
         return True
     for r in range(offsets[i], offsets[i + 1]):
         t = around[r]
-        worst_before = min(worst_before, aspect(rest, tensors, faces[t, 0], faces[t, 1], faces[t, 2]))
+        worst_before = min(worst_before, aspects[t])
     return worst >= worst_before
 
 
 @helper
-def keeps_surface(offsets, around, across, faces, node, i, j):  # type: ignore[no-untyped-def]
-    """Tell whether the surface stays a surface: i and j share only the neighbours beside their edge."""
+def keeps_surface(offsets, around, across, faces, node, stamps, stamp, i, j):  # type: ignore[no-untyped-def]
+    """Tell whether the surface stays a surface: i and j share only the neighbours beside their edge.
+
+    `stamps` (n,) is work space that does not hold `stamp` yet.
+    """
+    for r in range(offsets[j], offsets[j + 1]):
+        for corner in range(3):
+            stamps[node[faces[around[r], corner]]] = stamp
     for r in range(offsets[i], offsets[i + 1]):
         t = around[r]
         if has_node(faces, node, t, j):
-            continue
+            for corner in range(3):
+                stamps[node[faces[t, corner]]] = -1
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
         for corner in range(3):
             k = node[faces[t, corner]]
-            if k == i:
-                if across[t, corner] == j:
-                    return False
-            elif share_face(offsets, around, faces, node, j, k, i):
-                # a common neighbour: it must be the third corner of a face at the edge ij
-                beside = False
-                for s in range(offsets[i], offsets[i + 1]):
-                    f = around[s]
-                    beside = beside or (has_node(faces, node, f, j) and has_node(faces, node, f, k))
-                if not beside:
-                    return False
+            # a neighbour of both beside no face of their edge; or the face would become one that j has
+            if stamps[k] == stamp or (k == i and across[t, corner] == j):
+                return False
     return True
 
 
 @kernel(
     types.int64(
-        I32_1, I32_1, I32_2, I32_2, I32_1, I32_1, I32_2, I32_2, I32_1, F64_2, F64_2, F64_2, types.float64,
-        OUT_BOOL_1, OUT_BOOL_1, OUT_BOOL_1,
+        I32_1, I32_1, I32_2, I32_2, I32_1, I32_1, I32_2, I32_2, I32_1, F64_2, F64_2, F64_2, F64_1,
+        types.float64,
+        OUT_BOOL_1, OUT_BOOL_1, OUT_I32_1, OUT_BOOL_1,
     )
 )  # fmt: skip
 def choose_merges(  # type: ignore[no-untyped-def]
     removed, target, vertices, target_vertices, offsets, around, across, faces, node, rest, tensors, normals,
-    longest, used, is_target, taken,
+    aspects, longest, used, is_target, stamps, taken,
 ):  # fmt: skip
     """Mark in `taken` the merges (p,) that are possible beside all earlier ones; returns how many.
 
     `around[offsets[i] : offsets[i + 1]]` are the faces of node i, `across` (t, 3) is the far node across each
-    side (-1: none). New edges are at most `longest` in the metric. `used` (t,) and `is_target` (n,) are work
-    space, all False.
+    side (-1: none), `aspects` (t,) are the shapes of the faces in the metric. New edges are at most `longest`
+    in the metric. Work space: `used` (t,) and `is_target` (n,), all False, and `stamps` (n,), all -1.
     """
     count = 0
     for p in range(len(removed)):
@@ -177,10 +170,10 @@ def choose_merges(  # type: ignore[no-untyped-def]
         if is_blocked(offsets, around, faces, node, used, is_target, i, j):
             continue
         if not keeps_shape(
-            offsets, around, faces, node, rest, tensors, normals, i, j, v0, w0, w1, longest
+            offsets, around, faces, node, rest, tensors, normals, aspects, i, j, v0, w0, w1, longest
         ):  # fmt: skip
             continue
-        if not keeps_surface(offsets, around, across, faces, node, i, j):
+        if not keeps_surface(offsets, around, across, faces, node, stamps, p, i, j):
             continue
         taken[p] = True
         is_target[j] = True

@@ -6,6 +6,7 @@ import numpy.typing as npt
 from toile.geometry.arrays import Bool, Int
 from toile.remesh.acceptance import Gate, Proposals
 from toile.remesh.choose_merges import choose_merges
+from toile.remesh.edge_size import metric_aspects
 from toile.remesh.mesh_edges import MeshEdges
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.removable_nodes import Merges, possible_merges
@@ -44,10 +45,11 @@ def _chosen(work: MeshInWork, merges: Merges) -> Bool:
         np.cumsum(np.bincount(corners, minlength=len(work.positions)), out=offsets[1:])
         around = (np.argsort(corners, kind="stable") // 3).astype(np.int32)
         across = _far_nodes(work.edges, face_nodes)
+        stamps = np.full(len(work.positions), -1, np.int32)
         used, is_target = np.zeros(len(work.faces), bool), np.zeros(len(work.positions), bool)
         choose_merges(
             *merges, offsets, around, across, work.faces, work.node, work.rest, work.tensors, work.normals,
-            LONGEST_NEW, used, is_target, taken,
+            metric_aspects(work.faces, work.rest, work.tensors), LONGEST_NEW, used, is_target, stamps, taken,
         )  # fmt: skip
     return taken
 

@@ -67,7 +67,7 @@ def test_cloth_without_extent_spins_not() -> None:
 
 
 def stretched(u: float, v: float) -> Float:
-    return UNSTRETCHED * np.array([u, v])
+    return np.asarray(UNSTRETCHED * np.array([u, v]))
 
 
 def test_compression_asks_where_it_compresses_only() -> None:
