@@ -1,0 +1,54 @@
+"""Adapt a cloth mesh to a field of wanted edge lengths.
+
+Source of the method: Narain, Samii and O'Brien 2012, "Adaptive anisotropic remeshing for cloth simulation".
+"""
+
+from typing import NamedTuple
+
+from toile.geometry.arrays import Float
+from toile.remesh.acceptance import Accept, Gate
+from toile.remesh.cloth_mesh import ClothMesh
+from toile.remesh.collapse import collapse_round
+from toile.remesh.flip import flip_edges
+from toile.remesh.mesh_in_work import MeshInWork
+from toile.remesh.split import split_round
+from toile.remesh.transfer import TransferMap
+
+
+class AdaptResult(NamedTuple):
+    """A new mesh, how data follow onto it, and what was done.
+
+    Faces, nodes and material vertices that survive stay in order, new ones come after them. A face that is
+    split keeps its row for one half; a flip keeps both rows. `rounds` counts batches of splits and collapses.
+    """
+
+    mesh: ClothMesh
+    transfer: TransferMap
+    splits: int
+    flips: int
+    collapses: int
+    rounds: int
+
+
+def adapt(mesh: ClothMesh, tensors: Float, accept: Accept | None = None) -> AdaptResult:
+    """Flip, split and collapse edges until none is longer than 1 in the metric or could well be longer.
+
+    `tensors` (m, 3, 3) [1/m^2] give the wanted edge length 1 / sqrt(e . M e) in direction e at every
+    material vertex. Flips and collapses, which move the surface, are carried out where `accept` lets them;
+    splits leave it in place. The rest shape, and with it mass, stays exactly what it is.
+
+    Raises ValueError if `tensors` do not fit the mesh.
+    """
+    if tensors.shape != (len(mesh.rest), 3, 3):
+        raise ValueError(f"tensors must have shape ({len(mesh.rest)}, 3, 3), got {tensors.shape}")
+    work, gate = MeshInWork.start(mesh, tensors), Gate(accept)
+    splits = collapses = rounds = 0
+    flips = flip_edges(work, gate)
+    while (done := split_round(work))[0]:
+        splits, rounds = splits + done[0], rounds + 1
+        flips += flip_edges(work, gate, done[1])
+    # neither a collapse nor a flip makes an edge that would have to be split
+    while (done := collapse_round(work, gate))[0]:
+        collapses, rounds = collapses + done[0], rounds + 1
+        flips += flip_edges(work, gate, done[1])
+    return AdaptResult(*work.finish(mesh), splits, flips, collapses, rounds)

@@ -1,0 +1,183 @@
+"""Greedy choice of node merges that keep edges short, triangles well shaped and the surface a surface."""
+
+import math
+
+from numba import types
+
+from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, OUT_I32_1, helper, kernel
+
+LEAST_ASPECT = 0.2
+"""A merge may not make triangles worse than this, in the metric, unless they were as bad before."""
+LEAST_HEIGHT = 1e-3
+"""Twice the area over the squared edges of any new triangle in rest space: away from inverted."""
+
+
+@helper
+def squared_size(tensors, a, b, x, y, z):  # type: ignore[no-untyped-def]
+    """Squared length of (x, y, z) in the mean metric of material vertices a and b."""
+    xx, yy, zz = tensors[a, 0] + tensors[b, 0], tensors[a, 1] + tensors[b, 1], tensors[a, 2] + tensors[b, 2]
+    yz, zx, xy = tensors[a, 3] + tensors[b, 3], tensors[a, 4] + tensors[b, 4], tensors[a, 5] + tensors[b, 5]
+    return 0.5 * (xx * x * x + yy * y * y + zz * z * z) + yz * y * z + zx * z * x + xy * x * y
+
+
+@helper
+def product(xx, yy, zz, yz, zx, xy, ax, ay, az, bx, by, bz):  # type: ignore[no-untyped-def]
+    """Inner product of two vectors in a metric."""
+    straight = xx * ax * bx + yy * ay * by + zz * az * bz
+    return straight + yz * (ay * bz + az * by) + zx * (az * bx + ax * bz) + xy * (ax * by + ay * bx)
+
+
+@helper
+def aspect(rest, tensors, a, b, c):  # type: ignore[no-untyped-def]
+    """Shape of a triangle in the mean metric of its corners: 1 if equilateral, 0 if flat."""
+    third = 1.0 / 3.0
+    xx = (tensors[a, 0] + tensors[b, 0] + tensors[c, 0]) * third
+    yy = (tensors[a, 1] + tensors[b, 1] + tensors[c, 1]) * third
+    zz = (tensors[a, 2] + tensors[b, 2] + tensors[c, 2]) * third
+    yz = (tensors[a, 3] + tensors[b, 3] + tensors[c, 3]) * third
+    zx = (tensors[a, 4] + tensors[b, 4] + tensors[c, 4]) * third
+    xy = (tensors[a, 5] + tensors[b, 5] + tensors[c, 5]) * third
+    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
+    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
+    uu = product(xx, yy, zz, yz, zx, xy, ux, uy, uz, ux, uy, uz)
+    vv = product(xx, yy, zz, yz, zx, xy, vx, vy, vz, vx, vy, vz)
+    uv = product(xx, yy, zz, yz, zx, xy, ux, uy, uz, vx, vy, vz)
+    area = 0.5 * math.sqrt(max(uu * vv - uv * uv, 0.0))
+    perimeter = math.sqrt(uu) + math.sqrt(vv) + math.sqrt(max(uu + vv - 2.0 * uv, 0.0))
+    return 20.784609690826528 * area / max(perimeter * perimeter, 1e-300)
+
+
+@helper
+def height(rest, normals, t, a, b, c):  # type: ignore[no-untyped-def]
+    """Twice the area of a triangle about the normal of face t, over the sum of its squared edges."""
+    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
+    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
+    twice = (
+        normals[t, 0] * (uy * vz - uz * vy)
+        + normals[t, 1] * (uz * vx - ux * vz)
+        + normals[t, 2] * (ux * vy - uy * vx)
+    )
+    squares = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz
+    squares += (vx - ux) ** 2 + (vy - uy) ** 2 + (vz - uz) ** 2
+    return twice / max(squares, 1e-300)
+
+
+@helper
+def has_node(faces, node, t, i):  # type: ignore[no-untyped-def]
+    """Tell whether face t has node i."""
+    return node[faces[t, 0]] == i or node[faces[t, 1]] == i or node[faces[t, 2]] == i
+
+
+@helper
+def is_blocked(offsets, around, faces, node, used, is_target, i, j):  # type: ignore[no-untyped-def]
+    """Tell whether merging i into j touches a merge already taken.
+
+    No face in common; and two merges into neighbours, or into the same node, could both make one edge.
+    """
+    if is_target[j]:
+        return True
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
+        if used[t]:
+            return True
+        for corner in range(3):
+            if is_target[node[faces[t, corner]]]:
+                return True
+    return False
+
+
+@helper
+def keeps_shape(  # type: ignore[no-untyped-def]
+    offsets, around, faces, node, rest, tensors, normals, aspects, i, j, v0, w0, w1, longest
+):
+    """Tell whether all new edges are short enough and all new triangles well shaped.
+
+    Corners v0 of node i become w0, others w1.
+    """
+    worst, worst_before = 2.0, 2.0
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
+        if has_node(faces, node, t, j):
+            continue
+        corner = 0
+        while node[faces[t, corner]] != i:
+            corner += 1
+        b, c = faces[t, (corner + 1) % 3], faces[t, (corner + 2) % 3]
+        w = w0 if faces[t, corner] == v0 else w1
+        for step in (1, 2):
+            k = faces[t, (corner + step) % 3]
+            x, y, z = rest[k, 0] - rest[w, 0], rest[k, 1] - rest[w, 1], rest[k, 2] - rest[w, 2]
+            if squared_size(tensors, w, k, x, y, z) > longest * longest:
+                return False
+        if height(rest, normals, t, w, b, c) < LEAST_HEIGHT:
+            return False
+        worst = min(worst, aspect(rest, tensors, w, b, c))
+    if worst > LEAST_ASPECT:
+        return True
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
+        worst_before = min(worst_before, aspects[t])
+    return worst >= worst_before
+
+
+@helper
+def keeps_surface(offsets, around, across, faces, node, stamps, stamp, i, j):  # type: ignore[no-untyped-def]
+    """Tell whether the surface stays a surface: i and j share only the neighbours beside their edge.
+
+    `stamps` (n,) is work space that does not hold `stamp` yet.
+    """
+    for r in range(offsets[j], offsets[j + 1]):
+        for corner in range(3):
+            stamps[node[faces[around[r], corner]]] = stamp
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
+        if has_node(faces, node, t, j):
+            for corner in range(3):
+                stamps[node[faces[t, corner]]] = -1
+    for r in range(offsets[i], offsets[i + 1]):
+        t = around[r]
+        for corner in range(3):
+            k = node[faces[t, corner]]
+            # a neighbour of both beside no face of their edge; or the face would become one that j has
+            if stamps[k] == stamp or (k == i and across[t, corner] == j):
+                return False
+    return True
+
+
+@kernel(
+    types.int64(
+        I32_1, I32_1, I32_2, I32_2, I32_1, I32_1, I32_2, I32_2, I32_1, F64_2, F64_2, F64_2, F64_1,
+        types.float64,
+        OUT_BOOL_1, OUT_BOOL_1, OUT_I32_1, OUT_BOOL_1,
+    )
+)  # fmt: skip
+def choose_merges(  # type: ignore[no-untyped-def]
+    removed, target, vertices, target_vertices, offsets, around, across, faces, node, rest, tensors, normals,
+    aspects, longest, used, is_target, stamps, taken,
+):  # fmt: skip
+    """Mark in `taken` the merges (p,) that are possible beside all earlier ones; returns how many.
+
+    `around[offsets[i] : offsets[i + 1]]` are the faces of node i, `across` (t, 3) is the far node across each
+    side (-1: none), `aspects` (t,) are the shapes of the faces in the metric. New edges are at most `longest`
+    in the metric. Work space: `used` (t,) and `is_target` (n,), all False, and `stamps` (n,), all -1.
+    """
+    count = 0
+    for p in range(len(removed)):
+        i, j = removed[p], target[p]
+        v0, w0, w1 = vertices[p, 0], target_vertices[p, 0], target_vertices[p, 1]
+        if v0 == vertices[p, 1] and w0 != w1:
+            continue
+        if is_blocked(offsets, around, faces, node, used, is_target, i, j):
+            continue
+        if not keeps_shape(
+            offsets, around, faces, node, rest, tensors, normals, aspects, i, j, v0, w0, w1, longest
+        ):  # fmt: skip
+            continue
+        if not keeps_surface(offsets, around, across, faces, node, stamps, p, i, j):
+            continue
+        taken[p] = True
+        is_target[j] = True
+        count += 1
+        for r in range(offsets[i], offsets[i + 1]):
+            used[around[r]] = True
+    return count

@@ -1,0 +1,169 @@
+"""Flip edges that are not Delaunay in the metric, within flat parts of one panel."""
+
+import numpy as np
+
+from toile.geometry.arrays import Bool, Float, Int
+from toile.remesh.acceptance import Gate, Proposals
+from toile.remesh.disjoint_pairs import first_disjoint
+from toile.remesh.edge_size import LONGEST, metric_aspects
+from toile.remesh.mesh_edges import INNER, MeshEdges, corner_after, in_sorted, pair_keys
+from toile.remesh.mesh_in_work import MeshInWork
+from toile.remesh.packed_tensor import inner_product
+from toile.remesh.row_products import row_cross, row_dot
+
+FLIP_MARGIN = 0.05
+"""Sine of the angle by which opposite angles must exceed 180 degrees together: near a tie nothing flips, or
+the mesh of a still cloth would go on changing with the last digits of the metric."""
+
+WELL_SHAPED = 0.2
+"""Aspect in the metric below which no change may make a triangle worse."""
+
+
+def flip_edges(work: MeshInWork, gate: Gate, touched: Bool | None = None) -> int:
+    """Flip until the edges are Delaunay in the metric; returns the number of flips.
+
+    With `touched`, shape (t,), starts from the edges of these faces only. An edge once flipped away is not
+    made again, so this ends.
+    """
+    edges = work.edges
+    active = np.flatnonzero(edges.kind == INNER).astype(np.int32)
+    if touched is not None:
+        active = _edges_of(edges, touched)
+    flips = 0
+    while len(active):
+        flipped = _flip_round(work, gate, active)
+        flips += len(flipped)
+        active = _edges_of(edges, edges.faces[flipped].ravel())
+    return flips
+
+
+def _edges_of(edges: MeshEdges, faces: Bool | Int) -> Int:
+    """Edges of some faces, in order, shape (k,)."""
+    marked = np.zeros(len(edges.nodes), bool)
+    marked[edges.face_edges[faces]] = True
+    return np.flatnonzero(marked).astype(np.int32)
+
+
+def _flip_round(work: MeshInWork, gate: Gate, active: Int) -> Int:
+    """Flip edges out of `active` that share no face; returns them."""
+    edges = work.edges
+    fixed = (edges.kind != INNER) | edges.creased | edges.frozen
+    active = active[~fixed[active]]
+    quads = _quads(work.faces, edges, active)
+    excess = _excess(work, quads, edges.faces[active, 0])
+    chosen = np.flatnonzero(excess > FLIP_MARGIN)
+    chosen = chosen[_allowed(work, gate, quads[chosen], active[chosen])]
+    chosen = chosen[np.argsort(-excess[chosen], kind="stable")]
+    chosen = chosen[first_disjoint(edges.faces[active[chosen]], len(work.faces))]
+    quads, flipping = quads[chosen], active[chosen]
+    ends = work.node[quads[:, [0, 3]]]
+    _, first = np.unique(pair_keys(ends[:, 0], ends[:, 1]), return_index=True)
+    first.sort()
+    accepted = first[_passed(work, gate, quads[first], flipping[first])]
+    _apply(work, quads[accepted], flipping[accepted])
+    return flipping[accepted]
+
+
+def _quads(faces: Int, edges: MeshEdges, chosen: Int) -> Int:
+    """Material vertices a, b, c, d of the faces abc and dcb at edges bc, shape (k, 4)."""
+    t, u = edges.faces[chosen].T
+    k, j = edges.sides[chosen].T
+    corners = [faces[t, k], corner_after(faces, t, k, 1), corner_after(faces, t, k, 2), faces[u, j]]
+    return np.stack(corners, axis=1)
+
+
+def _excess(work: MeshInWork, quads: Int, face: Int) -> Float:
+    """Minus the sine of the sum of the angles at a and d, in the mean metric of the four; shape (k,).
+
+    Positive if bc is not Delaunay (Bossen and Heckbert 1996).
+    """
+    a, b, c, d = quads.T
+    warp, weft = work.frames[face].transpose(2, 0, 1)
+    mean = 0.25 * (work.tensors[a] + work.tensors[b] + work.tensors[c] + work.tensors[d])
+    uu, vv = inner_product(mean, warp, warp), inner_product(mean, weft, weft)
+    uv = inner_product(mean, warp, weft)
+    # Cholesky factor of the metric: it maps the plane to where wanted edges have length 1.
+    p = np.sqrt(np.maximum(uu, 1e-300))
+    q = uv / p
+    r = np.sqrt(np.maximum(vv - q * q, 0.0))
+
+    def mapped(start: Int, end: Int) -> tuple[Float, Float]:
+        along = work.rest[end] - work.rest[start]
+        x, y = row_dot(along, warp), row_dot(along, weft)
+        return p * x + q * y, r * y
+
+    abx, aby = mapped(a, b)
+    acx, acy = mapped(a, c)
+    dbx, dby = mapped(d, b)
+    dcx, dcy = mapped(d, c)
+    cos_a, sin_a = abx * acx + aby * acy, abx * acy - aby * acx
+    cos_d, sin_d = dcx * dbx + dcy * dby, dcx * dby - dcy * dbx
+    lengths = np.sqrt((cos_a * cos_a + sin_a * sin_a) * (cos_d * cos_d + sin_d * sin_d))
+    return np.asarray(-(sin_a * cos_d + cos_a * sin_d) / np.maximum(lengths, 1e-300))
+
+
+def _new_faces(quads: Int) -> Int:
+    """Faces abd and adc of quads, shape (k, 2, 3)."""
+    return np.ascontiguousarray(quads[:, [[0, 1, 3], [0, 3, 2]]])
+
+
+def _allowed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
+    """Tell which flips make a new edge that need not be split and no bad triangle, shape (k,)."""
+    a, d = work.node[quads[:, 0]], work.node[quads[:, 3]]
+    ends = work.edges.nodes[flipping]
+    allowed = (a != d) & ~in_sorted(pair_keys(a, d), work.edges.keys)
+    allowed &= gate.open_to(pair_keys(ends[:, 0], ends[:, 1]))
+    allowed &= _size(work, quads[:, 0], quads[:, 3]) <= np.maximum(LONGEST, _size(work, *quads[:, 1:3].T))
+    face = work.edges.faces[flipping]
+    new = _new_faces(quads).reshape(-1, 3)
+    normal = work.normals[np.repeat(face[:, 0], 2)]
+    ab, ac = work.rest[new[:, 1]] - work.rest[new[:, 0]], work.rest[new[:, 2]] - work.rest[new[:, 0]]
+    upright = row_dot(row_cross(ab, ac), normal) > 0.0
+    aspect = metric_aspects(new, work.rest, work.tensors) * upright
+    old = metric_aspects(work.faces[face.ravel()], work.rest, work.tensors)
+    worst_new, worst_old = aspect.reshape(-1, 2).min(axis=1), old.reshape(-1, 2).min(axis=1)
+    return np.asarray(allowed & (worst_new > 0.0) & (worst_new >= np.minimum(WELL_SHAPED, worst_old)))
+
+
+def _size(work: MeshInWork, p: Int, q: Int) -> Float:
+    """Length in the metric between material vertices p and q, shape (k,)."""
+    along = work.rest[q] - work.rest[p]
+    return np.sqrt(inner_product(0.5 * (work.tensors[p] + work.tensors[q]), along, along))
+
+
+def _passed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
+    """Ask for acceptance, shape (k,)."""
+    owner = np.repeat(np.arange(len(quads), dtype=np.int32), 2)
+    proposals = Proposals(
+        triangles=work.node[_new_faces(quads).reshape(-1, 3)],
+        owner=owner,
+        removed=work.edges.faces[flipping].ravel(),
+        removed_owner=owner,
+        face_nodes=work.face_nodes,
+        proposal_count=len(quads),
+    )
+    ends = work.edges.nodes[flipping]
+    return gate.passed(work.positions, proposals, pair_keys(ends[:, 0], ends[:, 1]))
+
+
+def _apply(work: MeshInWork, quads: Int, flipping: Int) -> None:
+    """Replace faces abc, dcb by abd, adc, and bring the edges up to date."""
+    edges = work.edges
+    t, u = edges.faces[flipping].T
+    k, j = edges.sides[flipping].T
+    ca, ab = corner_after(edges.face_edges, t, k, 1), corner_after(edges.face_edges, t, k, 2)
+    bd, dc = corner_after(edges.face_edges, u, j, 1), corner_after(edges.face_edges, u, j, 2)
+    edges.replace_face(bd, u, t, 0)
+    edges.replace_face(ab, t, t, 2)
+    edges.replace_face(dc, u, u, 0)
+    edges.replace_face(ca, t, u, 1)
+    edges.faces[flipping] = np.stack([t, u], axis=1)
+    edges.sides[flipping] = (1, 2)
+    edges.face_edges[t] = np.stack([bd, flipping, ab], axis=1)
+    edges.face_edges[u] = np.stack([dc, ca, flipping], axis=1)
+    a, d = work.node[quads[:, 0]], work.node[quads[:, 3]]
+    edges.nodes[flipping] = np.stack([np.minimum(a, d), np.maximum(a, d)], axis=1)
+    keys = np.sort(pair_keys(a, d))
+    edges.keys = np.insert(edges.keys, np.searchsorted(edges.keys, keys), keys)
+    faces = _new_faces(quads)
+    work.faces[t], work.faces[u] = faces[:, 0], faces[:, 1]
