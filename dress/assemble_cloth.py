@@ -52,6 +52,8 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         fabrics=fabrics,
         fabric=per_face([fabrics.index(fabric) for _, fabric in garments], np.int32),
         garment=per_face(list(range(len(garments))), np.int32),
+        panel=np.concatenate([mesh.panel for mesh, _ in garments]),
+        uv=np.concatenate([mesh.uv for mesh, _ in garments]),
         stitches=stitches,
         seam=np.concatenate(
             [mesh.seam + seam for (mesh, _), seam in zip(garments, seams, strict=False)]

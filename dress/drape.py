@@ -21,6 +21,7 @@ from toile.dress.drape_types import (
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
+from toile.engine.cloth import Cloth
 from toile.engine.drape import Drape
 from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
@@ -124,6 +125,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
         max_steps=options.max_frames * STEPS_PER_FRAME,
         rms_motion=options.tolerance,
         peak_motion=PEAK_OVER_RMS * options.tolerance,
+        sizing=options.sizing,
     )
 
 
@@ -171,7 +173,7 @@ def _outcome(
     elif record.converged:
         status = "converged"
     counts = record.node_counts
-    faces = len(cloth.faces)
+    faces = [record.first_faces, *(entry.faces for entry in record.remeshings)]
     figures = DrapeFigures(
         frames=len(record.crossings) - 1,
         simulated_seconds=record.simulated_seconds,
@@ -179,7 +181,7 @@ def _outcome(
         newton_iterations=record.newton_iterations,
         cg_iterations=record.cg_iterations,
         nodes=(counts[0], counts[-1], max(counts)),
-        faces=(faces, faces, faces),
+        faces=(faces[0], faces[-1], max(faces)),
         contacts_max=record.contacts_max,
         avatar_intersections=last[0],
         self_intersections=last[1],
@@ -192,26 +194,25 @@ def _outcome(
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(
-        status=status, failure=failure, figures=figures, garments=_split(run, garments), notes=notes
+        status=status, failure=failure, figures=figures, garments=_split(cloth, len(garments)), notes=notes
     )
 
 
-def _split(run: Drape, garments: list[tuple[GarmentMesh, Fabric]]) -> list[DrapedGarment]:
-    """Take the garments apart again, nodes renumbered per garment."""
-    cloth = run.cloth
-    first = 0
+def _split(cloth: Cloth, count: int) -> list[DrapedGarment]:
+    """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
     draped = []
-    for index, (mesh, _) in enumerate(garments):
-        own = cloth.faces[cloth.garment == index]
-        nodes, local = np.unique(cloth.node[own], return_inverse=True)
+    for index in range(count):
+        own = cloth.garment == index
+        vertices, local = np.unique(cloth.faces[own], return_inverse=True)
+        nodes, node = np.unique(cloth.node[vertices], return_inverse=True)
+        material = local.reshape(-1, 3).astype(np.int32)
         draped.append(
             DrapedGarment(
                 positions=cloth.positions[nodes],
-                faces=local.reshape(-1, 3).astype(np.int32),
-                faces_material=(own - first).astype(np.int32),
-                uv=mesh.uv,
-                panel=mesh.panel,
+                faces=node.astype(np.int32)[material],
+                faces_material=material,
+                uv=cloth.uv[vertices],
+                panel=cloth.panel[own],
             )
         )
-        first += len(mesh.positions)
     return draped

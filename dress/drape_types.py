@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from toile.geometry.arrays import Float, Int
+from toile.remesh.sizing import SizingOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
 
@@ -15,7 +16,9 @@ class DrapeOptions:
     Attributes
     ----------
     edge_length
-        Edge length asked for [m].
+        Edge length of the mesh in which the garment is sewn [m].
+    sizing
+        How fine the mesh becomes once it is sewn, or None to keep it.
     max_frames
         Frames after which the drape stops with status frame_limit.
     tolerance
@@ -36,6 +39,7 @@ class DrapeOptions:
     edge_length: float
     max_frames: int
     tolerance: float
+    sizing: SizingOptions | None = None
     gravity: float = 9.81
     friction: float | None = None
     threads: int = 1

@@ -36,6 +36,10 @@ class Cloth:
         Index into `fabrics` of every face, shape (t,).
     garment
         Garment index of every face, shape (t,).
+    panel
+        Panel of every face, counted within its garment, shape (t,).
+    uv
+        Pattern coordinates of every material vertex [m], shape (m, 2).
     stitches
         Node pairs still to be sewn, shape (s, 2).
     seam
@@ -62,6 +66,8 @@ class Cloth:
     fabrics: tuple[Fabric, ...]
     fabric: Int
     garment: Int
+    panel: Int
+    uv: Float
     stitches: Int
     seam: Int
     stitch_length: Float

@@ -8,9 +8,10 @@ from toile.engine.drape_plan import DrapeRecord
 from toile.engine.drape_state import DrapeState
 from toile.engine.growing import grow
 from toile.engine.merging import join_touching
+from toile.engine.passable import let_pass_crossings
 from toile.engine.settling import ease, settle
 from toile.engine.sewing import sew
-from toile.engine.tangles import let_pass_crossings, relax_tangles
+from toile.engine.tangles import relax_tangles
 
 
 class Drape(DrapeState):
@@ -36,7 +37,9 @@ class Drape(DrapeState):
                 self.phase = "growing"
                 grow(self, shape.vertices, shape.per_step)
         relax_tangles(self)
+        self.remesh()
         ease(self)
+        self.remesh()
         if not self.stopped():
             self.phase = "settling"
             settle(self)

@@ -9,6 +9,7 @@ from toile.collide.audit import Crossings
 from toile.engine.cloth import Cloth
 from toile.engine.step_request import StepOptions
 from toile.geometry.arrays import Float
+from toile.remesh.sizing import SizingOptions
 
 STEPS_PER_FRAME = 10
 Phase = Literal["sewing", "growing", "settling"]
@@ -68,6 +69,8 @@ class DrapePlan:
         Equilibrium: largest RMS and 99.9th percentile node motion over a frame of longest steps [m].
     cg_tolerance
         Relative residual of the linear solver.
+    sizing
+        How fine the mesh should be once the garment is sewn; None keeps it as it is.
     """
 
     step: StepOptions
@@ -98,6 +101,7 @@ class DrapePlan:
     rms_motion: float = 3e-4
     peak_motion: float = 3e-3
     cg_tolerance: float = 1e-2
+    sizing: SizingOptions | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,6 +126,18 @@ class Frame:
     crossings: Crossings
 
 
+@dataclass(frozen=True, kw_only=True)
+class Remeshing:
+    """What one remeshing did, after which step; the change of elastic energy as a share of it."""
+
+    step: int
+    faces: int
+    splits: int
+    flips: int
+    collapses: int
+    energy_jump: float
+
+
 @dataclass
 class DrapeRecord:
     """What a drape did.
@@ -142,3 +158,5 @@ class DrapeRecord:
     crossings: list[tuple[int, int]] = field(default_factory=list)
     settled_crossings: list[tuple[int, int]] = field(default_factory=list)
     node_counts: list[int] = field(default_factory=list)
+    first_faces: int = 0
+    remeshings: list[Remeshing] = field(default_factory=list)

@@ -9,10 +9,16 @@ import numpy as np
 from toile.collide.audit import Auditor, Crossings
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth import Cloth
-from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
+from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase, Remeshing
+from toile.engine.remeshing import remeshed
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
+
+MOVED, MOVED_AT_END = 0.5, 0.1
+"""RMS motion since the last remeshing, in shortest edges, at which a mesh is adapted again."""
+RELAXATIONS = 2
+"""Newton iterations in which the nodes of remeshed faces settle."""
 
 
 class DrapeState:
@@ -50,7 +56,7 @@ class DrapeState:
         self.plan = plan
         self.on_frame = on_frame
         self.clock = StageClock()
-        self.record = DrapeRecord()
+        self.record = DrapeRecord(first_faces=len(cloth.faces))
         self.surface = None if avatar is None else AvatarSurface(*avatar)
         self.growth = growth
         self.auditor: Auditor | None = None
@@ -58,6 +64,7 @@ class DrapeState:
         self.record.node_counts.append(len(cloth.positions))
         self.ghost: Bool = np.zeros(len(cloth.node), bool)
         self.avatar_ghost: Bool | None = None
+        self._meshed_at = cloth.positions
         self._frames = 0
         self.audited = -1
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
@@ -77,6 +84,50 @@ class DrapeState:
         self.stepper = ClothStepper(cloth, self.surface, self.plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)
+
+    def remesh(self) -> bool:
+        """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed."""
+        if self.plan.sizing is None:
+            return False
+        started = perf_counter()
+        stepper = self.stepper
+        found = remeshed(self.cloth, stepper, self.plan.sizing)
+        if found is not None:
+            before = stepper.elastic_energy()
+            self.cloth = found.cloth
+            self.stepper = ClothStepper(found.cloth, self.surface, self.plan.step, StageClock())
+            self.stepper.take_anchors(found.anchors)
+            self._relax(found.changed)
+            jump = (self.stepper.elastic_energy() - before) / max(before, 1e-300)
+            self.record.remeshings.append(
+                Remeshing(
+                    step=self.record.steps, faces=len(found.cloth.faces), splits=found.splits,
+                    flips=found.flips, collapses=found.collapses, energy_jump=jump,
+                )
+            )  # fmt: skip
+            self.record.node_counts.append(len(found.cloth.positions))
+        self._meshed_at = self.stepper.x.copy()
+        self.clock.add("remesh", started)
+        return found is not None
+
+    def needs_remeshing(self, finished: bool) -> bool:
+        """Whether the cloth has moved so far since it was meshed that its mesh may not fit any more."""
+        if self.plan.sizing is None:
+            return False
+        moved = float(np.sqrt(np.mean((self.stepper.x - self._meshed_at) ** 2) * 3.0))
+        return moved > (MOVED_AT_END if finished else MOVED) * self.plan.sizing.size_min
+
+    def _relax(self, free: Bool) -> None:
+        """Let the nodes of changed faces find their equilibrium while all others stay, free of shape (n,)."""
+        pinned = self.stepper.pinned
+        self.stepper.pinned = ~free if pinned is None else pinned | ~free
+        self.stepper.step(
+            StepRequest(
+                h=self.plan.longest_step, at_rest=True, newton=RELAXATIONS,
+                stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        self.stepper.pinned = pinned
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked material vertices, shape (m,), pass through each other and marked avatar vertices."""

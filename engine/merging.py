@@ -5,6 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from toile.engine.drape_state import DrapeState
+from toile.engine.passable import let_pass_crossings
+
+ARRIVED = 3e-4
+"""Distance from its meeting place at which a node is put there [m], whatever is in between: that is found."""
 
 
 def join_touching(drape: DrapeState) -> None:
@@ -35,12 +39,16 @@ def merge(drape: DrapeState) -> None:
     # A node stands for all that are merged with it: one late node keeps its whole group open.
     weld = cloth.weld
     late = np.zeros(len(weld), bool)
-    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= 1e-9]] = True
+    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= ARRIVED]] = True
     closed = near & ~late[weld[cloth.stitches[:, 0]]]
     if closed.any():
         radius = stepper.radius_body.copy()
         drape.restart(replace(cloth, positions=stepper.x.copy()).merged(closed))
         drape.stepper.set_body_radius(float(radius.max()))
+        # What was between, or crossed unseen across the open seam, is found now.
+        crossings = drape.audit()
+        if len(crossings.avatar) or len(crossings.cloth):
+            let_pass_crossings(drape, crossings)
 
 
 def merge_late(drape: DrapeState) -> bool:

@@ -6,6 +6,7 @@ from toile.engine.drape_state import DrapeState
 from toile.engine.forces.hold import Holds
 from toile.engine.merging import merge_late
 from toile.engine.step_request import StepRequest
+from toile.engine.tangles import relax_tangles
 
 
 def ease(drape: DrapeState) -> None:
@@ -38,6 +39,9 @@ def settle(drape: DrapeState) -> None:
     long_steps = 0
     while not drape.stopped():
         if merge_late(drape):
+            drape.phase = "sewing"
+            relax_tangles(drape)
+            drape.phase = "settling"
             before, long_steps = drape.stepper.x.copy(), 0
         outcome = drape.take(
             StepRequest(
@@ -57,5 +61,7 @@ def settle(drape: DrapeState) -> None:
             record.peak_motion = float(np.quantile(motion, 0.999))
             if long_steps >= plan.steps_per_frame and record.rms_motion < plan.rms_motion:
                 record.converged = record.peak_motion < plan.peak_motion
-        if record.converged:
-            break
+            if drape.needs_remeshing(record.converged) and drape.remesh():
+                before, long_steps, record.converged = drape.stepper.x.copy(), 0, False
+            if record.converged:
+                break

@@ -5,8 +5,8 @@ import numpy as np
 from toile.engine.drape_state import DrapeState
 from toile.engine.forces.hold import SewingHolds
 from toile.engine.merging import merge
+from toile.engine.passable import around
 from toile.engine.step_request import StepRequest
-from toile.engine.tangles import around
 from toile.engine.zipper import zipper_distance
 
 

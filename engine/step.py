@@ -284,6 +284,16 @@ class ClothStepper:
         self.x += move
         return np.where(length > 0.0, np.linalg.norm(move, axis=1) / np.maximum(length, 1e-300), 1.0)
 
+    def elastic_energy(self) -> float:
+        """Membrane and bending energy at the current positions [J]."""
+        bending = 0.0 if self.bending is None else self.bending.energy(self.x)
+        return self.membrane.energy(self.x) + bending
+
+    def take_anchors(self, anchors: Float) -> None:
+        """Take over friction anchors of the nodes [m], shape (n, 3)."""
+        if self.search is not None:
+            self.anchor[: len(self.x)] = anchors
+
     def _slide_anchors(self, contacts: Contacts | None) -> None:
         """Let friction anchors follow: free nodes take them along, sliding ones drag them at slip length."""
         if contacts is None:

@@ -21,6 +21,11 @@ class Proposals(NamedTuple):
         Faces that they replace, shape (r,).
     removed_owner
         The proposal that each replaced face belongs to, shape (r,).
+    rest_corners, removed_rest_corners
+        Rest shapes of new triangles and of the faces they replace, (warp, weft) [m], shapes (q, 3, 2) and
+        (r, 3, 2).
+    origin, removed_origin
+        Face, at the start of the pass, that each of them comes from, shapes (q,) and (r,).
     face_nodes
         All faces before the changes, as node triples, shape (t, 3).
     proposal_count
@@ -31,6 +36,10 @@ class Proposals(NamedTuple):
     owner: Int
     removed: Int
     removed_owner: Int
+    rest_corners: Float
+    removed_rest_corners: Float
+    origin: Int
+    removed_origin: Int
     face_nodes: Int
     proposal_count: int
 

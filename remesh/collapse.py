@@ -83,11 +83,16 @@ def _proposals(work: MeshInWork, merges: Merges) -> Proposals:
     changed = np.flatnonzero(owner >= 0).astype(np.int32)
     nodes = work.node[faces[changed]]
     new = ~_collapsed(nodes)
+    left = changed[new]
     return Proposals(
         triangles=nodes[new],
-        owner=owner[changed[new]],
+        owner=owner[left],
         removed=changed,
         removed_owner=owner[changed],
+        rest_corners=work.rest_corners(faces[left], left),
+        removed_rest_corners=work.rest_corners(work.faces[changed], changed),
+        origin=work.parent[left],
+        removed_origin=work.parent[changed],
         face_nodes=work.face_nodes,
         proposal_count=len(merges.removed),
     )

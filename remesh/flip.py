@@ -134,11 +134,16 @@ def _size(work: MeshInWork, p: Int, q: Int) -> Float:
 def _passed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
     """Ask for acceptance, shape (k,)."""
     owner = np.repeat(np.arange(len(quads), dtype=np.int32), 2)
+    new, removed = _new_faces(quads).reshape(-1, 3), work.edges.faces[flipping].ravel()
     proposals = Proposals(
-        triangles=work.node[_new_faces(quads).reshape(-1, 3)],
+        triangles=work.node[new],
         owner=owner,
-        removed=work.edges.faces[flipping].ravel(),
+        removed=removed,
         removed_owner=owner,
+        rest_corners=work.rest_corners(new, removed),
+        removed_rest_corners=work.rest_corners(work.faces[removed], removed),
+        origin=work.parent[removed],
+        removed_origin=work.parent[removed],
         face_nodes=work.face_nodes,
         proposal_count=len(quads),
     )

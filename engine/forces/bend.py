@@ -105,7 +105,7 @@ class Bending:
         self._rest: Float | None = None
         if rest_positions is not None:
             local = np.einsum(
-                "tai,tip->tap", self._derivatives(rest_positions), face_frames(rest_positions, faces)
+                "tai,tip->tap", self.second_derivatives_at(rest_positions), face_frames(rest_positions, faces)
             )
             if rest_curved is not None:
                 local[~rest_curved] = 0.0
@@ -132,9 +132,14 @@ class Bending:
             rest_curved=cloth.rest_curved,
         )
 
-    def _derivatives(self, x: Float) -> Float:
-        """Second derivatives (uu, vv, uv) of positions x [1/m], shape (t, 3, 3), last axis x, y, z."""
+    def second_derivatives_at(self, x: Float) -> Float:
+        """Return second derivatives (uu, vv, uv) of positions x [1/m], shape (t, 3, 3), last axis x, y, z."""
         return np.asarray(self.second_derivatives @ x).reshape(-1, 3, 3)
+
+    def bent(self, x: Float) -> Float:
+        """Return second derivatives (uu, vv, uv) less those at rest [1/m], shape (t, 3, 3)."""
+        derivatives = self.second_derivatives_at(x)
+        return derivatives if self._rest is None else derivatives - self._rest_derivatives(x)
 
     def _rest_derivatives(self, x: Float) -> Float:
         """Rest derivatives turned along with the faces at x [1/m], shape (t, 3, 3)."""
@@ -146,7 +151,7 @@ class Bending:
         """Bending energy [J] at node positions x [m], shape (n, 3)."""
         if self._rest is None:
             return 0.5 * float(np.vdot(x, self.stiffness @ x))
-        bent = self._derivatives(x) - self._rest_derivatives(x)
+        bent = self.bent(x)
         return 0.5 * float(np.einsum("tai,tab,tbi->", bent, self.rigidity, bent))
 
     def gradient(self, x: Float) -> Float:
@@ -156,7 +161,7 @@ class Bending:
             rest = self._rest_derivatives(x)
             moments = np.einsum("tab,tbi->tai", self.rigidity, rest)
             forces -= self.second_derivatives.T @ moments.reshape(-1, 3)
-            self._add_turning(x, np.cross(self._derivatives(x), moments).sum(axis=1), forces)
+            self._add_turning(x, np.cross(self.second_derivatives_at(x), moments).sum(axis=1), forces)
         return forces
 
     def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
@@ -180,5 +185,7 @@ class Bending:
 
     def curvature(self, x: Float) -> Float:
         """Return curvatures (uu, vv, uv) of each face along its normal [1/m], shape (t, 3)."""
-        along: Float = np.einsum("tai,ti->ta", self._derivatives(x), face_frames(x, self.faces)[:, :, 2])
+        along: Float = np.einsum(
+            "tai,ti->ta", self.second_derivatives_at(x), face_frames(x, self.faces)[:, :, 2]
+        )
         return along

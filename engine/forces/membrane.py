@@ -199,6 +199,11 @@ class Membrane:
             self.faces, self._shape, x, self.element_energy, self.element_gradient, self.element_hessian
         )
 
+    def gradient(self, values: Float) -> Float:
+        """Return the change of node values (n, k) per metre of warp and of weft on faces, shape (t, k, 2)."""
+        at_corners = values[self.faces]
+        return np.asarray(np.einsum("tck,tdc->tkd", at_corners, self._shape[:, 4:10].reshape(-1, 2, 3)))
+
     def warp_weft_strain(self, x: Float) -> Float:
         """Return stretch along warp and weft, |f_u| - 1 and |f_v| - 1, shape (t, 2)."""
         strain = np.empty((len(self.faces), 2))

@@ -168,6 +168,7 @@ def test_for_cloth_takes_fabrics_pins_and_rest_shapes_of_the_cloth() -> None:
     cloth = Cloth(
         positions=start, velocities=np.zeros_like(start), node=np.arange(count, dtype=np.int32), faces=faces,
         rest_corners=rest, fabrics=(thin, thick), fabric=which, garment=np.zeros_like(which),
+        panel=np.zeros_like(which), uv=points,
         stitches=np.empty((0, 2), np.int32), seam=np.empty(0, np.int32), stitch_length=np.empty(0),
         held=np.empty(0, np.int32), waist=np.empty(0, np.int32), pinned=pinned,
         rest_curved=np.ones(len(faces), bool), start_positions=start,

@@ -203,6 +203,8 @@ def _square(positions: Float, faces: Int, rest: Float) -> Cloth:
         fabrics=(fabric,),
         fabric=first,
         garment=first,
+        panel=first,
+        uv=positions[:, :2].copy(),
         stitches=np.empty((0, 2), np.int32),
         seam=no_nodes,
         stitch_length=np.empty(0),

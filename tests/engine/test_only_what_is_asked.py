@@ -41,6 +41,7 @@ def sheet(fabric: Fabric) -> Cloth:
         positions=positions, velocities=np.zeros_like(positions),
         node=np.arange(len(points), dtype=np.int32), faces=faces, rest_corners=points[faces],
         fabrics=(fabric,), fabric=np.zeros(len(faces), np.int32), garment=np.zeros(len(faces), np.int32),
+        panel=np.zeros(len(faces), np.int32), uv=points,
         stitches=np.empty((0, 2), np.int32), seam=np.empty(0, np.int32), stitch_length=np.empty(0),
         held=np.empty(0, np.int32), waist=np.empty(0, np.int32), pinned=np.zeros(len(points), bool),
         rest_curved=np.zeros(len(faces), bool), start_positions=positions,

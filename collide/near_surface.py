@@ -1,0 +1,25 @@
+"""Height of points above a smooth surface, by its nearest vertex: for sizing, not for contact."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from toile.collide.search import AvatarSurface
+from toile.collide.shrunken import vertex_normals
+from toile.geometry.arrays import Float
+
+
+def heights_above(avatar: AvatarSurface, points: Float, within: float) -> Float:
+    """Height [m] of points (n, 3) above the tangent plane of the nearest vertex, infinite farther than `within`.
+
+    Vertices of a mesh coarser than `within` are looked for as far as its edges reach.
+    """
+    corners = avatar.vertices[avatar.faces]
+    edge = float(np.median(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)))
+    distance, nearest = cKDTree(avatar.vertices).query(points, distance_upper_bound=within + edge)
+    found = np.isfinite(distance)
+    height = np.full(len(points), np.inf)
+    at = nearest[found]
+    normals = vertex_normals(avatar.vertices, avatar.faces)[at]
+    height[found] = np.abs(np.einsum("ni,ni->n", points[found] - avatar.vertices[at], normals))
+    height[height > within] = np.inf
+    return height

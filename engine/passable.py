@@ -1,0 +1,33 @@
+"""Passable cloth: where it crosses itself or the avatar it may pass, and nowhere else."""
+
+import numpy as np
+
+from toile.collide.audit import Crossings
+from toile.engine.drape_state import DrapeState, node_mask
+from toile.geometry.arrays import Bool, Int
+
+BODY_RINGS = 3
+"""Rings of avatar faces around a crossing that let cloth pass."""
+
+
+def around(drape: DrapeState, nodes: Int, widening: float = 1.0) -> Bool:
+    """Mark material vertices within `widening` jam radii of nodes, along the cloth, shape (m,)."""
+    faces = drape.stepper.faces
+    marked = node_mask(len(drape.stepper.x), nodes)
+    edge = float(np.sqrt(2.0 * drape.cloth.rest_area.mean()))
+    for _ in range(int(np.ceil(widening * drape.plan.jam_radius / edge))):
+        marked[faces[marked[faces].any(axis=1)].ravel()] = True
+    return np.asarray(marked[drape.cloth.node])
+
+
+def let_pass_crossings(drape: DrapeState, found: Crossings, widening: float = 1.0) -> None:
+    """Let cloth pass through what it crosses, and nothing else."""
+    crossed = [found.avatar[:, 0]] + ([found.cloth.ravel()] if drape.plan.step.self_contact else [])
+    crossing = drape.stepper.faces[np.concatenate(crossed)].ravel()
+    body: Bool | None = None
+    if drape.surface is not None and len(found.avatar):
+        body = np.zeros(len(drape.surface.vertices), bool)
+        body[drape.surface.faces[found.avatar[:, 1]].ravel()] = True
+        for _ in range(BODY_RINGS):
+            body[drape.surface.faces[body[drape.surface.faces].any(axis=1)].ravel()] = True
+    drape.let_pass(around(drape, crossing, widening), body)
