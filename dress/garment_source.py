@@ -48,9 +48,8 @@ def check_source(garment: Garment) -> None:
         known = unknown_name("garment", str(source), built_in_names())
         raise InputError(f"{known} (a pattern or mesh file needs its extension)")
     if path.suffix.lower() not in (".json", *MESH_FORMATS):
-        raise InputError(
-            f"{path}: unknown garment format '{path.suffix or '(no extension)'}'; use .json, {', '.join(MESH_FORMATS)}"
-        )
+        kind = path.suffix or "(no extension)"
+        raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
     if not path.is_file():
         raise InputError(f"{path}: garment file not found; check the path")
     if not path.stat().st_size:
