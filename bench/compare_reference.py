@@ -2,9 +2,9 @@
 
 python bench/compare_reference.py DATA OUT [--pictures docs/images]
 
-DATA/reference holds tee_sim.obj, skirt_sim.obj, their patterns and body. OUT gets one folder per drape of ours,
-with and without friction against the body; folders that are there already are not computed again. Prints a
-Markdown table; with --pictures writes reference_tee.png and reference_skirt.png (needs Pillow).
+DATA/reference holds tee_sim.obj, skirt_sim.obj, their patterns and body. OUT gets one folder per drape of
+ours, with and without friction against the body; folders that are there already are not computed again.
+Prints a Markdown table; with --pictures writes reference_tee.png and reference_skirt.png (needs Pillow).
 """
 
 import argparse
@@ -16,6 +16,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 import toile
+from toile.collide.audit import Auditor
 from toile.dress.palette import BODY, garment_colour
 from toile.dress.preview import PreviewMesh, render
 from toile.dress.rasterizer import rasterize
@@ -55,7 +56,7 @@ def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray
             for k in range(1, len(corners) - 1):
                 f.append([int(corners[i][0]) - 1 for i in (0, k, k + 1)])
                 ft.append([int(corners[i][1]) - 1 for i in (0, k, k + 1)])
-    return np.array(v), np.array(f), np.array(vt), np.array(ft)
+    return np.array(v), np.array(f, dtype=np.int32), np.array(vt), np.array(ft, dtype=np.int32)
 
 
 def dressed(data: Path, name: str, out: Path, friction: float | None) -> Path:
@@ -136,8 +137,8 @@ def picture(
     changed = np.any([np.abs(image.astype(int) - empty).max(axis=2) > 60 for image in drawn], axis=0)
     changed = changed[:, :half] | changed[:, half:]
     rows, columns = np.flatnonzero(changed.sum(axis=1) > 3), np.flatnonzero(changed.sum(axis=0) > 3)
-    pad = 45
-    top, bottom = max(rows[0] - pad, 0), min(rows[-1] + pad, height)
+    pad = 30
+    top, bottom = max(rows[0] - pad, 0), min(rows[-1] + pad // 3, height)
     left, right = max(columns[0] - pad, 0), min(columns[-1] + pad, half)
     parts: list[tuple[str, np.ndarray]] = []
     for label, image in zip(("other solver", "toile"), drawn, strict=True):
@@ -145,7 +146,7 @@ def picture(
             parts.append((f"{label}, {side}", image[top:bottom, start + left : start + right]))
     cloth = np.concatenate([theirs[0], ours[0]])
     box = np.array([cloth.min(axis=0) - 0.06, cloth.max(axis=0) + 0.06])
-    for label, axis in (("silhouettes, front", 0), ("side", 2)):
+    for label, axis in (("silhouettes, front", 0), ("silhouettes, side", 2)):
         masks = [silhouette(np.array(body.vertices), np.array(body.faces), axis, box)]
         masks += [silhouette(*mesh, axis, box) for mesh in (theirs, ours)]
         parts.append((label, overlay(*masks)))
@@ -155,22 +156,27 @@ def picture(
         scale = PICTURE_HEIGHT / image.shape[0]
         cell = Image.fromarray(image).resize((round(scale * image.shape[1]), PICTURE_HEIGHT), Image.LANCZOS)
         cells.append((label, cell))
-    gap, head, foot = 6, 28, 28
-    sheet = Image.new(
-        "RGB",
-        (sum(cell.width + gap for _, cell in cells) + gap, head + PICTURE_HEIGHT + foot),
-        (255, 255, 255),
-    )
+    gap, head = 8, 28
+    # Columns: theirs, ours, silhouettes; the front above, the other side below.
+    columns = [cells[0:2], cells[2:4], cells[4:6]]
+    widths = [max(cell.width for _, cell in column) for column in columns]
+    size = sum(widths) + 4 * gap, 2 * (head + PICTURE_HEIGHT) + head
+    sheet = Image.new("RGB", size, (255, 255, 255))
     pen = ImageDraw.Draw(sheet)
     x = gap
-    for label, cell in cells:
-        sheet.paste(cell, (x, head))
-        pen.text((x + 4, 4), label, fill=(40, 40, 40), font=font)
-        if label.startswith("silhouettes"):
-            pen.text((x + 4, head + PICTURE_HEIGHT + 4), "only other solver", fill=THEIRS, font=font)
-            pen.text((x + 160, head + PICTURE_HEIGHT + 4), "only toile", fill=OURS, font=font)
-            pen.text((x + 255, head + PICTURE_HEIGHT + 4), "both", fill=(130, 130, 130), font=font)
-        x += cell.width + gap
+    for column, width in zip(columns, widths, strict=True):
+        for row, (label, cell) in enumerate(column):
+            top = row * (head + PICTURE_HEIGHT)
+            pen.text((x + 4, top + 4), label, fill=(40, 40, 40), font=font)
+            sheet.paste(cell, (x, top + head))
+        x += width + gap
+    key = size[0] - widths[2] - gap
+    for word, colour_of, shift in (
+        ("only other solver", THEIRS, 4),
+        ("only toile", OURS, 160),
+        ("both", (130, 130, 130), 255),
+    ):
+        pen.text((key + shift, size[1] - head + 4), word, fill=colour_of, font=font)
     path.parent.mkdir(parents=True, exist_ok=True)
     sheet.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
@@ -186,10 +192,11 @@ def main() -> int:
     options = parser.parse_args()
     body = trimesh.load(options.data / "reference/f_smpl_template.ply", process=False)
     surface = cKDTree(trimesh.sample.sample_surface(body, SAMPLES, seed=0)[0])
+    auditor = Auditor(np.ascontiguousarray(body.vertices), np.ascontiguousarray(body.faces, dtype=np.int32))
     rows = [
         "| drape | vertices | gap median / p5 mm | edge strain median / p5 / p95 / p99 % | lowest point m "
-        "| width m | silhouette difference front / side % |",
-        "|---|---|---|---|---|---|---|",
+        "| width m | crossings with the body | silhouette difference front / side % |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for index, name in enumerate(NAMES):
         drapes = [
@@ -202,6 +209,7 @@ def main() -> int:
         box = np.array([cloth.min(axis=0) - 0.01, cloth.max(axis=0) + 0.01])
         masks = [[silhouette(*mesh[:2], axis, box) for axis in (0, 2)] for mesh in meshes]
         for (label, _), (positions, faces, uv, uv_faces), mask in zip(drapes, meshes, masks, strict=True):
+            crossing = len(auditor.audit(positions, faces, np.arange(len(positions), dtype=np.int32)).avatar)
             gap = 1e3 * surface.query(positions)[0]
             strain = 100.0 * strains(positions, faces, uv, uv_faces)
             quantiles = " / ".join(f"{value:+.1f}" for value in np.quantile(strain, [0.5, 0.05, 0.95, 0.99]))
@@ -210,7 +218,7 @@ def main() -> int:
             )
             rows.append(
                 f"| {name}, {label} | {len(positions)} | {np.median(gap):.1f} / {np.quantile(gap, 0.05):.1f} "
-                f"| {quantiles} | {positions[:, 1].min():.3f} | {np.ptp(positions[:, 0]):.3f} "
+                f"| {quantiles} | {positions[:, 1].min():.3f} | {np.ptp(positions[:, 0]):.3f} | {crossing} "
                 f"| {'' if mask is masks[0] else shares} |"
             )
         if options.pictures:
