@@ -83,6 +83,8 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
         )
     if not path.is_file():
         raise InputError(f"{path}: avatar file not found; check the path")
+    if not path.stat().st_size:
+        raise InputError(f"{path}: the file is empty; export the body again")
 
     vertices, faces = _read_triangles(path)
     frame = recognise_frame(path.name, vertices, units=units, up=up, is_gltf=extension in (".glb", ".gltf"))

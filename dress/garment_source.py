@@ -1,5 +1,6 @@
 """From what a scene calls a garment to its mesh: built-in pattern, pattern file or 3-D mesh."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -19,6 +20,8 @@ from toile.geometry.errors import InputError
 
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
+LARGEST_PANEL_DISTANCE = 1.5
+"""The same for a single panel [m]: wide skirts start with panels 0.6 m away."""
 
 
 class DressForm:
@@ -45,11 +48,12 @@ def check_source(garment: Garment) -> None:
         known = unknown_name("garment", str(source), built_in_names())
         raise InputError(f"{known} (a pattern or mesh file needs its extension)")
     if path.suffix.lower() not in (".json", *MESH_FORMATS):
-        raise InputError(
-            f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(MESH_FORMATS)}"
-        )
+        kind = path.suffix or "(no extension)"
+        raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
     if not path.is_file():
         raise InputError(f"{path}: garment file not found; check the path")
+    if not path.stat().st_size:
+        raise InputError(f"{path}: the file is empty; export the garment again")
 
 
 def built_in_name(source: str | Path | GarmentMesh) -> str | None:
@@ -136,14 +140,23 @@ def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMe
 
 
 def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:
-    """Raise InputError if the garment is nowhere near the avatar."""
-    low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
-    body_low, body_high = avatar.vertices.min(axis=0), avatar.vertices.max(axis=0)
-    apart = np.maximum(np.maximum(low - body_high, body_low - high), 0.0)
-    distance = float(np.linalg.norm(apart))
-    if distance > LARGEST_DISTANCE:
+    """Raise InputError if the garment or one of its panels is nowhere near the avatar."""
+    where = f"garment '{mesh.name}'"
+    _check_near(where, mesh.positions, avatar.vertices, LARGEST_DISTANCE)
+    for index, name in enumerate(mesh.panel_names):
+        used = mesh.positions[mesh.faces[mesh.panel == index].ravel()]
+        if len(used):
+            _check_near(f"{where}: panel '{name}'", used, avatar.vertices, LARGEST_PANEL_DISTANCE)
+
+
+def _check_near(what: str, positions: Float, body: Float, limit: float) -> None:
+    """Raise InputError if the box of some positions is farther from the body's box than the limit."""
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    apart = np.maximum(np.maximum(low - body.max(axis=0), body.min(axis=0) - high), 0.0)
+    distance = math.hypot(*apart)
+    if distance > limit:
         axis = "xyz"[int(apart.argmax())]
         raise InputError(
-            f"garment '{mesh.name}' is {distance:.2f} m away from the body (along {axis}); "
+            f"{what} is {distance:.3g} m away from the body (along {axis}); "
             "move it onto the body, or check the units and up axis of both"
         )

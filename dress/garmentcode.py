@@ -21,6 +21,8 @@ SHORTEST_EDGE = 1e-5
 MAX_DART_RATIO = 5.0
 MAX_GATHER_RATIO = 12.0
 """Longest over shortest edge that can be sewn together; real gathers stay below 4."""
+LARGEST_PANEL, SMALLEST_LARGEST = 10.0, 0.03
+"""Size [m] that no panel exceeds, and that some panel of every pattern reaches: else the units are wrong."""
 
 
 def read_garmentcode(path: str | Path) -> Pattern:
@@ -60,6 +62,7 @@ def read_garmentcode(path: str | Path) -> Pattern:
         name: _panel(raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre)
         for name, raw in raw_panels.items()
     }
+    _check_sizes(panels, path.name, units)
     order = body.get("panel_order")
     if isinstance(order, list) and sorted(map(str, order)) == sorted(panels):
         panels = {name: panels[name] for name in order}
@@ -86,13 +89,15 @@ def _load(path: Path) -> Mapping[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(f"{path}: no such pattern file") from None
+        raise InputError(f"{path}: no such pattern file; check the path") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: the pattern cannot be read ({error})") from None
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:
-        raise InputError(f"{path.name}: not valid JSON (line {error.lineno}: {error.msg})") from None
+        raise InputError(
+            f"{path.name}: not valid JSON (line {error.lineno}: {error.msg}); export the pattern again"
+        ) from None
     return _mapping(document, path.name, "this is not a GarmentCode specification")
 
 
@@ -143,6 +148,11 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
         corners = [(x - shift_x, y - shift_y) for x, y in corners]
         translation = [translation[0] + shift_x, translation[1] + shift_y, translation[2]]
     warp = raw.get("warp_degrees", 0.0)
+    if max(math.dist(corners[0], corner) for corner in corners) > LARGEST_PANEL:
+        raise InputError(
+            f"{where} is more than {LARGEST_PANEL:g} m large with {units:g} units per metre; "
+            "check its vertices and properties.units_in_meter"
+        )
     panel = Panel(
         name=name,
         vertices=tuple(corners),
@@ -154,6 +164,15 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
     )
     _check_outline(panel, where)
     return panel
+
+
+def _check_sizes(panels: Mapping[str, Panel], file: str, units: float) -> None:
+    size = max(math.dist(p.vertices[0], corner) for p in panels.values() for corner in p.vertices)
+    if size < SMALLEST_LARGEST:
+        raise InputError(
+            f"{file}: the largest panel measures {100 * size:.3g} cm with {units:g} units per metre; "
+            "check properties.units_in_meter"
+        )
 
 
 def _edge(raw: Any, where: str, corners: list[Point], units: float, absolute: bool) -> Edge:

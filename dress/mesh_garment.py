@@ -174,7 +174,9 @@ def _in_metres(
     ]
     if avatar is None or _misfit(placed[0], avatar.vertices) < FITS:
         return placed[0]
-    return min(placed, key=lambda candidate: _misfit(candidate, avatar.vertices))
+    best = min(placed, key=lambda candidate: _misfit(candidate, avatar.vertices))
+    # What fits in no unit stays as it is: shrunk until it lies within the body, it would not be missed.
+    return best if _misfit(best, avatar.vertices) < FITS else placed[0]
 
 
 def _turned(positions: Float, up: str) -> Float:

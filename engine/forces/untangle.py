@@ -127,7 +127,8 @@ def _pierced(x: Float, edge: Int, third: Int, triangle: Int) -> _Pierced:
     size = np.maximum(uu * vv - uv * uv, 1e-300)
     b, c = (vv * pu - uv * pv) / size, (uu * pv - uv * pu) / size
     apart = (edge[:, :, None] != triangle[:, None, :]).all(axis=(1, 2))
-    rows = np.flatnonzero(apart & (below * above < 0.0) & (b >= 0.0) & (c >= 0.0) & (b + c <= 1.0))
+    hit = apart & (below * above < 0.0) & (b >= 0.0) & (c >= 0.0) & (b + c <= 1.0)
+    rows = np.flatnonzero(hit).astype(np.int32)
     along = _unit((end - start)[rows])
     inward = (x[third] - start)[rows]
     inward = inward - along * _dot(inward, along)[:, None]
