@@ -16,9 +16,9 @@ def heights_above(avatar: AvatarSurface, points: Float, within: float) -> Float:
     corners = avatar.vertices[avatar.faces]
     edge = float(np.median(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)))
     distance, nearest = cKDTree(avatar.vertices).query(points, distance_upper_bound=within + edge)
-    found = np.isfinite(distance)
+    found = np.flatnonzero(np.isfinite(distance))
     height = np.full(len(points), np.inf)
-    at = nearest[found]
+    at = np.asarray(nearest, np.int64)[found]
     normals = vertex_normals(avatar.vertices, avatar.faces)[at]
     height[found] = np.abs(np.einsum("ni,ni->n", points[found] - avatar.vertices[at], normals))
     height[height > within] = np.inf

@@ -11,7 +11,7 @@ from toile.engine.merging import join_touching
 from toile.engine.passable import let_pass_crossings
 from toile.engine.settling import ease, settle
 from toile.engine.sewing import sew
-from toile.engine.tangles import relax_tangles
+from toile.engine.tangles import close_late, relax_tangles
 
 
 class Drape(DrapeState):
@@ -36,7 +36,7 @@ class Drape(DrapeState):
             if not self.stopped():
                 self.phase = "growing"
                 grow(self, shape.vertices, shape.per_step)
-        relax_tangles(self)
+        close_late(self)
         self.remesh()
         ease(self)
         self.remesh()

@@ -53,12 +53,12 @@ class DrapePlan:
         Sewing steps granted after the seams should have met.
     jam_radius
         Cloth this close to a stitch that cannot close may pass through itself until it is disentangled [m].
-    jam_widening
-        How many jam radii of cloth around jammed stitches may pass through itself when sewn again.
     untangle_stiffness
         Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
     tangle_frames
         Frames of steps that tangled cloth is drawn apart before the drape goes on as it is.
+    late_frames
+        Frames of steps at most in which stitches that are still open when the garment hangs are closed.
     growth_lag
         How far a vertex of the growing avatar may lag before the rest waits [m].
     easing_steps
@@ -92,9 +92,9 @@ class DrapePlan:
     merge_gap: float = 6e-3
     patience: int = 12
     jam_radius: float = 0.03
-    jam_widening: float = 4.0
     untangle_stiffness: float = 50.0
     tangle_frames: int = 15
+    late_frames: int = 4
     easing_steps: int = 20
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002

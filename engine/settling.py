@@ -7,6 +7,12 @@ from toile.engine.forces.hold import Holds
 from toile.engine.merging import merge_late
 from toile.engine.step_request import StepRequest
 from toile.engine.tangles import relax_tangles
+from toile.geometry.arrays import Float
+
+LONG = 0.25
+"""Steps of this share of the longest count as long ones for equilibrium."""
+UNDOING = 0.2
+"""Correlation with the last step from which a step is said to undo it."""
 
 
 def ease(drape: DrapeState) -> None:
@@ -36,6 +42,7 @@ def settle(drape: DrapeState) -> None:
     plan, record = drape.plan, drape.record
     h = plan.settling_step
     before = drape.stepper.x.copy()
+    here, last = before, np.zeros_like(before)
     long_steps = 0
     while not drape.stopped():
         if merge_late(drape):
@@ -43,17 +50,20 @@ def settle(drape: DrapeState) -> None:
             relax_tangles(drape)
             drape.phase = "settling"
             before, long_steps = drape.stepper.x.copy(), 0
+            here, last = before, np.zeros_like(before)
         outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
         peak = float(np.quantile(outcome.moved, 0.999))
-        long_steps = long_steps + 1 if h >= plan.longest_step else 0
-        if peak < 0.01:
-            h = min(h * 1.2, plan.longest_step)
-        elif peak > 0.025:
+        long_steps = long_steps + 1 if h >= LONG * plan.longest_step else 0
+        undone = _undoes(drape.stepper.x - here, last)
+        last, here = drape.stepper.x - here, drape.stepper.x.copy()
+        if peak > 0.025 or undone:
             h = max(h / 1.5, plan.settling_step)
+        elif peak < 0.01:
+            h = min(h * 1.2, plan.longest_step)
         if record.steps % plan.steps_per_frame == 0:
             motion = np.linalg.norm(drape.stepper.x - before, axis=1)
             before = drape.stepper.x.copy()
@@ -63,5 +73,11 @@ def settle(drape: DrapeState) -> None:
                 record.converged = record.peak_motion < plan.peak_motion
             if drape.needs_remeshing(record.converged) and drape.remesh():
                 before, long_steps, record.converged = drape.stepper.x.copy(), 0, False
+                here, last = before, np.zeros_like(before)
             if record.converged:
                 break
+
+
+def _undoes(move: Float, last: Float) -> bool:
+    """Whether a step takes back a good part of the one before, both shape (n, 3): contacts open and close."""
+    return float(np.sum(move * last)) < -UNDOING * float(np.sqrt(np.sum(move**2) * np.sum(last**2)))

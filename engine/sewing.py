@@ -13,18 +13,10 @@ from toile.engine.zipper import zipper_distance
 def sew(drape: DrapeState) -> None:
     """Close all seams on schedule, and merge what has closed.
 
-    Stitches that have not closed some time after they should have are jammed: cloth crumpled between them.
-    Then all starts again, and the cloth around them may pass through itself before it can crumple.
+    Stitches that have not closed some time after they should have are jammed: cloth lies between them. The
+    cloth around them may then pass through itself, and is drawn apart where it crosses.
     """
-    plan = drape.plan
-    start = drape.cloth
     close(drape)
-    jammed = drape.gaps() >= plan.merge_gap
-    if jammed.any() and not drape.stopped():
-        ghost = around(drape, drape.cloth.stitches[jammed].ravel(), plan.jam_widening)
-        drape.restart(start)
-        drape.let_pass(ghost)
-        close(drape)
     if not drape.stopped():
         merge(drape)
 
@@ -49,6 +41,8 @@ def close(drape: DrapeState) -> None:
         share = np.clip(1.0 - (count + 1 - delay) / closing, 0.0, 1.0)
         node_share[pairs[:, 0]] = share
         node_share[pairs[:, 1]] = share
+        if count == total + plan.patience:
+            drape.let_pass(around(drape, pairs[drape.gaps() >= plan.merge_gap].ravel()))
         if count >= total:
             stiffness *= plan.stiffening
             hold *= 0.7

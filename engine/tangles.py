@@ -4,7 +4,7 @@ import numpy as np
 
 from toile.engine.drape_state import DrapeState
 from toile.engine.merging import merge_late
-from toile.engine.passable import let_pass_crossings
+from toile.engine.passable import around, let_pass_crossings
 from toile.engine.step_request import StepRequest
 
 
@@ -29,16 +29,32 @@ def relax_tangles(drape: DrapeState) -> None:
     for _ in range(plan.tangle_frames):
         if drape.stopped() or disentangle(drape, effort):
             return
-        for _ in range(plan.steps_per_frame):
-            if drape.stopped():
-                return
-            merge_late(drape)
-            drape.take(
-                StepRequest(
-                    h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
-                    stitch_stiffness=plan.late_stiffness, bending_factor=plan.sewing_bending,
-                    untangle_stiffness=effort * plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
-                )
-            )  # fmt: skip
+        _draw_apart(drape, effort)
         effort = min(2.0 * effort, 16.0)
     disentangle(drape)
+
+
+def close_late(drape: DrapeState) -> None:
+    """Close what is still open: cloth around it may pass through itself, and is then drawn apart."""
+    for _ in range(drape.plan.late_frames):
+        if drape.stopped() or not len(drape.cloth.stitches):
+            break
+        drape.let_pass(around(drape, drape.cloth.stitches.ravel()))
+        _draw_apart(drape, 1.0)
+    relax_tangles(drape)
+
+
+def _draw_apart(drape: DrapeState, effort: float) -> None:
+    """Make a frame of steps in which tangled cloth is drawn apart and stitches close."""
+    plan = drape.plan
+    for _ in range(plan.steps_per_frame):
+        if drape.stopped():
+            return
+        merge_late(drape)
+        drape.take(
+            StepRequest(
+                h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
+                stitch_stiffness=plan.late_stiffness, bending_factor=plan.sewing_bending,
+                untangle_stiffness=effort * plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip

@@ -187,7 +187,7 @@ def test_marked_nodes_pass_each_other_and_nothing_else() -> None:
     search.search(x, motion)
     before = [listed(rows, kind) for kind, rows in enumerate(search.cloth)]
     against = [len(rows) for rows in search.body]
-    ghost = np.zeros(len(x), bool)
+    ghost = np.zeros(len(x) + len(body), bool)
     ghost[10:25] = True
     search.let_pass(ghost)
     assert not covers(search, x, motion)
