@@ -1,9 +1,10 @@
 """Dress every pattern and every single-layer garment of a data folder on its body, and store the table.
 
-python bench/dress_all.py DATA OUT [--quality preview] [--only NAME ...] [--timeout 900]
+python bench/dress_all.py DATA OUT [--quality preview] [--only NAME ...] [--timeout 900] [--resume]
 
 DATA holds patterns/, garments/ and bodies/ with their index.json. One process per garment, one after the
-other; OUT gets one folder per garment (picture, meshes, report) and table.json, table.md.
+other; OUT gets one folder per garment (picture, meshes, report) and table.json, table.md. With --resume, garments
+that have a report in OUT already are not dressed again.
 """
 
 import argparse
@@ -45,24 +46,27 @@ def body_file(data: Path, body: str) -> Path:
     return ply if ply.exists() else data / f"bodies/{body}.obj"
 
 
-def dress(name: str, garment: Path, body: Path, out: Path, quality: str, timeout: float) -> dict[str, Any]:
+def dress(
+    name: str, garment: Path, body: Path, out: Path, quality: str, timeout: float, resume: bool
+) -> dict[str, Any]:
     """Run one job in a process of its own; return its row."""
     started = time.perf_counter()
     command = [
         sys.executable, "-m", "toile.dress.cli", "dress", "--avatar", str(body), "--garment", str(garment),
         "--quality", quality, "--quiet", "-o", str(out / name),
     ]  # fmt: skip
-    row: dict[str, Any] = {"name": name, "body": body.stem, "quality": quality}
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
-        row["exit_code"] = done.returncode
-        row["message"] = (done.stderr.strip().splitlines() or [""])[-1]
-    except subprocess.TimeoutExpired:
-        row["exit_code"] = None
-        row["message"] = f"stopped after {timeout:g} s"
-    row["wall_seconds"] = round(time.perf_counter() - started, 1)
+    row: dict[str, Any] = {"name": name, "body": body.stem, "quality": quality, "message": ""}
     report = out / name / "report.json"
-    if row["exit_code"] in (0, 3) and report.exists():
+    finished = resume and report.exists()
+    if not finished:
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+            finished = done.returncode in (0, 3) and report.exists()
+            row["message"] = (done.stderr.strip().splitlines() or [""])[-1]
+        except subprocess.TimeoutExpired:
+            row["message"] = f"stopped after {timeout:g} s"
+    row["wall_seconds"] = round(time.perf_counter() - started, 1)
+    if finished:
         facts = json.loads(report.read_text())
         row |= {
             "status": facts["status"],
@@ -116,6 +120,7 @@ def main() -> int:
     parser.add_argument("--quality", default="preview")
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--timeout", type=float, default=900.0)
+    parser.add_argument("--resume", action="store_true")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     rows = []
@@ -123,8 +128,9 @@ def main() -> int:
         if options.only and not any(part in name for part in options.only):
             continue
         row = dress(
-            name, garment, body_file(options.data, body), options.out, options.quality, options.timeout
-        )
+            name, garment, body_file(options.data, body), options.out, options.quality, options.timeout,
+            options.resume,
+        )  # fmt: skip
         rows.append(row)
         reason = row.get("failure") or (row["message"] if row["status"] == "error" else "")
         print(

@@ -9,7 +9,7 @@ from toile.geometry.arrays import Float
 
 
 def heights_above(avatar: AvatarSurface, points: Float, within: float) -> Float:
-    """Height [m] of points (n, 3) above the tangent plane of the nearest vertex, infinite farther than `within`.
+    """Height [m] of points (n, 3) above the tangent plane of the nearest vertex; inf where over `within`.
 
     Vertices of a mesh coarser than `within` are looked for as far as its edges reach.
     """

@@ -78,7 +78,7 @@ class MeshInWork:
         return np.ascontiguousarray(self.node[self.faces])
 
     def rest_corners(self, faces: Int, like: Int) -> Float:
-        """Rest shapes of faces (k, 3) in the planes of the faces `like`, (warp, weft) [m], shape (k, 3, 2)."""
+        """Rest shapes of faces (k, 3) in the planes of faces `like`, (warp, weft) [m], shape (k, 3, 2)."""
         sides = self.rest[faces] - self.rest[faces[:, :1]]
         return np.asarray(np.einsum("tci,tij->tcj", sides, self.frames[like]))
 
