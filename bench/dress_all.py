@@ -3,8 +3,8 @@
 python bench/dress_all.py DATA OUT [--quality preview] [--only NAME ...] [--timeout 900] [--resume]
 
 DATA holds patterns/, garments/ and bodies/ with their index.json. One process per garment, one after the
-other; OUT gets one folder per garment (picture, meshes, report) and table.json, table.md. With --resume, garments
-that have a report in OUT already are not dressed again.
+other; OUT gets one folder per garment (picture, meshes, report) and table.json, table.md. With --resume,
+garments that have a report in OUT already are not dressed again.
 """
 
 import argparse

@@ -118,6 +118,11 @@ def _add_dress(commands: "argparse._SubParsersAction[_Parser]") -> None:
     dress.add_argument("--fabric", metavar="NAME", help="fabric preset (see: toile fabrics)")
     dress.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
     dress.add_argument("--edge-length", type=float, metavar="M", help="edge length of the triangles [m]")
+    dress.add_argument(
+        "--remesh",
+        action=argparse.BooleanOptionalAction,
+        help="let the mesh adapt to the folds (experimental; default: off)",
+    )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -187,7 +192,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "max_frames", "threads")
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "threads")
         if (value := getattr(options, name)) is not None
     }
     if options.avatar is None and (options.units or options.up):

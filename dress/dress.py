@@ -21,8 +21,11 @@ from toile.dress.suggestion import unknown_name
 from toile.dress.writers.atomic import writable_folder
 from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
+from toile.remesh.sizing import SizingOptions
 
 Say = Callable[[str], None]
+SEWING_COARSENESS = 2.5
+"""Edge length in which a garment is sewn, in finest edges of an adaptive mesh."""
 
 
 def dress(
@@ -61,7 +64,10 @@ def dress(
         check_source(garment)
     names = _unique_names(scene)
     quality = quality_preset(scene.quality)
+    sizing = _sizing(scene)
     edge_length = scene.edge_length or quality.edge_length
+    if sizing is not None:
+        edge_length = min(SEWING_COARSENESS * sizing.size_min, sizing.size_max)
 
     avatar = load_scene_avatar(scene)
     if say is not None:
@@ -77,6 +83,7 @@ def dress(
         edge_length=edge_length,
         max_frames=scene.max_frames or quality.max_frames,
         tolerance=quality.tolerance,
+        sizing=sizing,
         gravity=scene.gravity,
         friction=scene.friction,
         threads=scene.threads,
@@ -118,6 +125,16 @@ def dress(
     if folder is not None:
         save_report(folder, report)
     return Result(status=outcome.status, report=report, avatar=avatar, garments=garments)
+
+
+def _sizing(scene: Scene) -> SizingOptions | None:
+    """Return how the mesh adapts: as the scene says, or as its quality does."""
+    if isinstance(scene.remesh, SizingOptions):
+        return scene.remesh
+    if not scene.remesh:
+        return None
+    quality = quality_preset(scene.quality)
+    return quality.sizing(scene.edge_length or quality.edge_length)
 
 
 def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:

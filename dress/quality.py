@@ -4,6 +4,10 @@ from dataclasses import dataclass
 
 from toile.dress.suggestion import unknown_name
 from toile.geometry.errors import InputError
+from toile.remesh.sizing import SizingOptions
+
+COARSEST = 20.0
+"""Longest edges of an adaptive mesh, in its shortest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +22,8 @@ class Quality:
         Length of a triangle's edges in patterns, and the longest in mesh garments [m].
     max_frames
         Frames after which a drape that has not converged stops.
+    refine_angle
+        Turn of the surface per edge that adaptive remeshing aims at [rad].
     tolerance
         RMS node motion over an output frame below which a drape counts as converged [m].
     """
@@ -25,15 +31,20 @@ class Quality:
     name: str
     edge_length: float
     max_frames: int
+    refine_angle: float
     tolerance: float
+
+    def sizing(self, finest: float) -> SizingOptions:
+        """How an adaptive mesh follows the folds, its shortest edges `finest` [m]."""
+        return SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=self.refine_angle)
 
 
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="preview", edge_length=0.016, max_frames=50, tolerance=1e-3),
-        Quality(name="standard", edge_length=0.010, max_frames=80, tolerance=4e-4),
-        Quality(name="accurate", edge_length=0.007, max_frames=160, tolerance=2e-4),
+        Quality(name="preview", edge_length=0.016, max_frames=50, refine_angle=0.6, tolerance=1e-3),
+        Quality(name="standard", edge_length=0.010, max_frames=80, refine_angle=0.5, tolerance=4e-4),
+        Quality(name="accurate", edge_length=0.007, max_frames=160, refine_angle=0.4, tolerance=2e-4),
     )
 }
 

@@ -10,6 +10,7 @@ from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.quality import quality_preset
 from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
+from toile.remesh.sizing import SizingOptions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +90,9 @@ class Scene:
         "preview", "standard" or "accurate".
     edge_length
         Edge length of the triangles [m]; None takes the quality's.
+    remesh
+        Whether the mesh adapts to the folds once the garment is sewn, or how: SizingOptions. The garment is
+        then sewn in coarse triangles, and the edge length is that of the finest.
     max_frames
         Frames after which the drape stops; None takes the quality's.
     gravity
@@ -106,6 +110,7 @@ class Scene:
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"
     edge_length: float | None = None
+    remesh: bool | SizingOptions = False
     max_frames: int | None = None
     gravity: float = 9.81
     friction: float | None = None

@@ -28,22 +28,25 @@ Paths are relative to the scene file.
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import MISSING, asdict, fields
+from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
 from toile.dress.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dress.quality import quality_preset
 from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
 from toile.dress.suggestion import unknown_name
 from toile.dress.toml_lines import LineNumbers
 from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
+from toile.remesh.sizing import SizingOptions
 
 NUMBER = (int, float)
 SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "": {
         "quality": (str, "preview, standard (default) or accurate"),
         "edge_length": (NUMBER, "edge length of the triangles [m] instead of the quality's"),
+        "remesh": ((bool, dict), "true, or table: the mesh adapts to the folds"),
         "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
@@ -52,6 +55,14 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "avatar": (dict, "table: the body; without it the built-in mannequin"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
         "fabric": (dict, "tables: one [fabric.NAME] for each fabric of your own"),
+    },
+    "remesh": {
+        "size_min": (NUMBER, "shortest edges [m]"),
+        "size_max": (NUMBER, "longest edges [m]"),
+        "refine_angle": (NUMBER, "turn of the surface per edge [rad]"),
+        "refine_velocity": (NUMBER, "change of velocity along an edge [m/s]"),
+        "refine_compression": (NUMBER, "edge length over the inverse root of compression [m]"),
+        "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
     },
     "avatar": {
         "file": (str, "OBJ, PLY, STL or GLB file"),
@@ -140,11 +151,26 @@ class _SceneReader:
                 avatar=self._avatar(data.get("avatar", {})),
                 fabric=data.get("default_fabric"),
                 fabrics=own,
+                remesh=self._remesh(data.get("remesh", False), data),
                 **plain,
             )
         except InputError as error:
             key = next((key for key in plain if key in str(error).split("'")[0].split()), None)
             raise self._error((key,) if key else (), str(error)) from None
+
+    def _remesh(self, values: bool | dict[str, Any], data: dict[str, Any]) -> bool | SizingOptions:
+        """Return how the mesh adapts, from `remesh` and, for sizes that are missing, the quality."""
+        if isinstance(values, bool):
+            return values
+        self._check_keys(values, "remesh", ("remesh",))
+        quality = quality_preset(data.get("quality", "standard"))
+        finest = data.get("edge_length", quality.edge_length)
+        try:
+            usual = quality.sizing(values.get("size_min", finest))
+            return replace(usual, **values)
+        except InputError as error:
+            key = str(error).split()[0]
+            raise self._error(("remesh", key) if key in values else ("remesh",), str(error)) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
         """Return the error with file and line in front."""
