@@ -5,11 +5,13 @@ direction e. Source: Narain, Samii and O'Brien 2012, section 4; there the veloci
 which refines cloth that merely swings.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from toile.geometry.arrays import Float
+from toile.geometry.errors import InputError
 from toile.remesh.plane_tensor import eigenvalues, gram, turned, with_eigenvalues
 from toile.remesh.row_products import row_cross, row_dot
 
@@ -30,7 +32,10 @@ class SizingOptions:
         Edge length over the inverse root of compression [m]: cloth whose squared lengths shrink by the
         share e asks for edges of refine_compression / sqrt(e) before it buckles.
     aspect_min
-        Shortest over longest wanted edge of a triangle (dimensionless).
+        Shortest over longest wanted edge of a triangle, in (0, 1] (dimensionless).
+
+    Raises InputError if a field is not a positive finite number, `aspect_min` exceeds 1 or `size_min`
+    exceeds `size_max`.
     """
 
     size_min: float
@@ -39,6 +44,33 @@ class SizingOptions:
     refine_velocity: float = 0.5
     refine_compression: float = 0.005
     aspect_min: float = 0.2
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        for entry in fields(self):
+            value, hint = getattr(self, entry.name), _HINTS[entry.name]
+            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+                raise InputError(f"{entry.name} must be a finite number, got {value!r}; {hint}")
+            if value <= 0.0:
+                raise InputError(f"{entry.name} must be greater than zero, got {value:g}; {hint}")
+        if self.aspect_min > 1.0:
+            raise InputError(f"aspect_min must not exceed 1, got {self.aspect_min:g}; {_HINTS['aspect_min']}")
+        if self.size_min > self.size_max:
+            raise InputError(
+                f"size_min must not exceed size_max, {self.size_max:g} m, got {self.size_min:g} m; "
+                "lower size_min or raise size_max"
+            )
+
+
+_HINTS = {
+    "size_min": "give the shortest edge to ask for [m], such as 0.005",
+    "size_max": "give the longest edge to ask for [m], such as 0.05",
+    "refine_angle": "give a turn per edge [rad], such as 0.3, or 1e6 to ignore curvature",
+    "refine_velocity": "give a change per edge [m/s], such as 0.5, or 1e6 to ignore motion",
+    "refine_compression": "give a length [m], such as 0.005, or 1e6 to ignore compression",
+    "aspect_min": "give a ratio such as 0.2, or 1 for triangles of equal edges",
+}
+"""What to give instead of a wrong value."""
 
 
 def curvature_metric(curvature: Float, refine_angle: float) -> Float:

@@ -29,7 +29,9 @@ from toile.remesh.acceptance import Proposals
 from toile.remesh.adapt import AdaptResult, adapt
 from toile.remesh.cloth_mesh import ClothMesh
 from toile.remesh.edge_size import metric_aspects
+from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.packed_tensor import packed
+from toile.remesh.split import split_round
 
 STARTS: dict[str, Callable[[], ClothMesh]] = {
     "grid": lambda: right_grid(12),
@@ -348,6 +350,21 @@ def test_edges_of_three_faces_stay() -> None:
         result = adapt(mesh, uniform(mesh, size))
         counts = triangle_topology(result.mesh.face_nodes).edge_face_count
         assert (counts == 3).sum() == 1 and counts.max() == 3
+
+
+def test_splits_beside_an_edge_of_three_faces_end_however_long_its_other_sides_are() -> None:
+    """Three gathered panels on one seam: the edge that stays is as long as the longest of its sides."""
+    lengths = np.array([0.5, 0.5, 3.0])
+    rest = np.zeros((9, 3))
+    rest[1::3, 0], rest[2::3, 0], rest[2::3, 1] = lengths, 0.5 * lengths, lengths
+    node = np.array([0, 1, 2, 0, 1, 3, 0, 1, 4], np.int32)
+    mesh = cloth(rest, np.arange(9, dtype=np.int32).reshape(3, 3), node=node, positions=rest[[0, 1, 2, 5, 8]])
+    work, rounds = MeshInWork.start(mesh, uniform(mesh, 0.7)), 0
+    while split_round(work)[0]:
+        rounds += 1
+        assert rounds < 20
+    assert np.abs(work.finish(mesh)[0].rest_area.sum() - mesh.rest_area.sum()) < 1e-12
+    assert adapt(mesh, uniform(mesh, 0.7)).splits > 0
 
 
 def test_wrong_shape_of_tensors_is_named() -> None:

@@ -1,4 +1,6 @@
-"""Metrics against closed forms; curvature that does not depend on the mesh."""
+"""Metrics against closed forms; curvature that does not depend on the mesh; options out of range."""
+
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from tests.remesh.cloth_samples import (
     sphere_cap,
 )
 from toile.geometry.arrays import Float
+from toile.geometry.errors import InputError
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import triangle_topology
 from toile.remesh.cloth_mesh import ClothMesh
@@ -214,3 +217,38 @@ def test_vertex_tensors_do_not_depend_on_the_frames_of_faces() -> None:
     normal = mesh.rest
     plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     assert np.abs(0.01 * tensors - plane).max() < 0.15
+
+
+@pytest.mark.parametrize("name", [entry.name for entry in fields(SizingOptions)])
+@pytest.mark.parametrize("value", [0.0, -0.25, float("nan"), float("inf"), -float("inf"), True, "1", None])
+def test_sizing_option_that_is_no_positive_number_is_named(name: str, value: object) -> None:
+    with pytest.raises(InputError) as caught:
+        SizingOptions(**({"size_min": 0.005, "size_max": 0.1} | {name: value}))  # type: ignore[arg-type]
+    message = str(caught.value)
+    shown = f"{value:g}" if isinstance(value, float) else repr(value)
+    assert message.startswith(f"{name} must be ")
+    assert f", got {shown}; give " in message and "\n" not in message
+
+
+def test_sizes_in_the_wrong_order_are_named() -> None:
+    expected = "size_min must not exceed size_max, 0.1 m, got 0.2 m; lower size_min or raise size_max"
+    with pytest.raises(InputError) as caught:
+        SizingOptions(size_min=0.2, size_max=0.1)
+    assert str(caught.value) == expected
+    with pytest.raises(InputError, match="size_min must not exceed size_max"):
+        replace(OPTIONS, size_max=0.001)
+
+
+def test_aspect_above_one_is_named() -> None:
+    expected = (
+        "aspect_min must not exceed 1, got 1.5; give a ratio such as 0.2, or 1 for triangles of equal edges"
+    )
+    with pytest.raises(InputError) as caught:
+        SizingOptions(size_min=0.005, size_max=0.1, aspect_min=1.5)
+    assert str(caught.value) == expected
+
+
+def test_sizing_options_at_their_limits_are_taken() -> None:
+    options = SizingOptions(size_min=1, size_max=1, refine_angle=1e6, aspect_min=1.0)
+    metric = np.array([[[9.0, 1.0], [1.0, 0.0]]])
+    assert np.allclose(clamped(metric, options), np.eye(2))
