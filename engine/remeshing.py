@@ -19,6 +19,10 @@ from toile.remesh.transfer import TransferMap
 from toile.remesh.vertex_tensors import vertex_tensors
 
 
+FEW = 0.02
+"""Splits and collapses, as a share of the faces, that are not worth a new mesh: still cloth keeps its own."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Remeshed:
     """A cloth on its new mesh.
@@ -54,7 +58,7 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
 
     gate = PatchGate(cloth, stepper)
     result = adapt(mesh, tensors, gate)
-    if not (result.splits or result.flips or result.collapses):
+    if result.splits + result.collapses <= FEW * len(cloth.faces):
         return None
     count = len(stepper.x)
     now = replace(cloth, positions=stepper.x, velocities=stepper.v)
