@@ -9,8 +9,8 @@ from toile.engine.step_request import StepRequest
 from toile.engine.tangles import relax_tangles
 from toile.geometry.arrays import Float
 
-LONG = 0.25
-"""Steps of this share of the longest count as long ones for equilibrium."""
+LONG = 0.2
+"""Steps that are long enough for equilibrium, on average over a frame, as a share of the longest."""
 UNDOING = 0.2
 """Correlation with the last step from which a step is said to undo it."""
 
@@ -38,18 +38,18 @@ def ease(drape: DrapeState) -> None:
 
 
 def settle(drape: DrapeState) -> None:
-    """Step to equilibrium: no node moves any more over a whole frame of long steps."""
+    """Step to equilibrium: no node moves any more over a whole frame of steps."""
     plan, record = drape.plan, drape.record
     h = plan.settling_step
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
-    long_steps = 0
+    span = 0.0
     while not drape.stopped():
         if merge_late(drape):
             drape.phase = "sewing"
             relax_tangles(drape)
             drape.phase = "settling"
-            before, long_steps = drape.stepper.x.copy(), 0
+            before, span = drape.stepper.x.copy(), 0.0
             here, last = before, np.zeros_like(before)
         outcome = drape.take(
             StepRequest(
@@ -57,7 +57,7 @@ def settle(drape: DrapeState) -> None:
             )
         )  # fmt: skip
         peak = float(np.quantile(outcome.moved, 0.999))
-        long_steps = long_steps + 1 if h >= LONG * plan.longest_step else 0
+        span += h
         undone = _undoes(drape.stepper.x - here, last)
         last, here = drape.stepper.x - here, drape.stepper.x.copy()
         if peak > 0.025 or undone:
@@ -69,10 +69,14 @@ def settle(drape: DrapeState) -> None:
             before = drape.stepper.x.copy()
             record.rms_motion = float(np.sqrt(np.mean(motion**2)))
             record.peak_motion = float(np.quantile(motion, 0.999))
-            if long_steps >= plan.steps_per_frame and record.rms_motion < plan.rms_motion:
-                record.converged = record.peak_motion < plan.peak_motion
+            # Short steps move less: what they may move is less in proportion.
+            share = min(1.0, span / (plan.steps_per_frame * LONG * plan.longest_step))
+            record.converged = (
+                record.rms_motion < share * plan.rms_motion and record.peak_motion < share * plan.peak_motion
+            )
+            span = 0.0
             if drape.needs_remeshing(record.converged) and drape.remesh():
-                before, long_steps, record.converged = drape.stepper.x.copy(), 0, False
+                before, record.converged = drape.stepper.x.copy(), False
                 here, last = before, np.zeros_like(before)
             if record.converged:
                 break

@@ -14,7 +14,7 @@ from toile.engine.forces.contact import ContactLaw
 from toile.engine.remeshing import Remeshed, remeshed
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOptions, StepRequest
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.sizing import SizingOptions
 
 POPLIN = Fabric(
@@ -29,7 +29,7 @@ OPTIONS = StepOptions(
 FINE = SizingOptions(size_min=0.01, size_max=0.2, refine_angle=0.3)
 
 
-def cloth_at(points: Float, faces: Float, positions: Float, pinned: Float | None = None) -> Cloth:
+def cloth_at(points: Float, faces: Int, positions: Float, pinned: Bool | None = None) -> Cloth:
     """A flat piece of poplin at some positions."""
     count, none = len(points), np.empty(0, np.int32)
     zeros = np.zeros(len(faces), np.int32)
@@ -38,7 +38,7 @@ def cloth_at(points: Float, faces: Float, positions: Float, pinned: Float | None
         faces=np.asarray(faces, np.int32), rest_corners=points[faces], fabrics=(POPLIN,), fabric=zeros,
         garment=zeros, panel=zeros, uv=points, stitches=np.empty((0, 2), np.int32), seam=none,
         stitch_length=np.empty(0), held=none, waist=none,
-        pinned=np.zeros(count, bool) if pinned is None else np.asarray(pinned, bool),
+        pinned=np.zeros(count, bool) if pinned is None else pinned,
         rest_curved=np.zeros(len(faces), bool),
         start_positions=np.column_stack([points, np.zeros(count)]),
     )  # fmt: skip
