@@ -321,14 +321,18 @@ def _cut(
 
 
 def _paths(random: Random, faces: Int, count: int) -> set[tuple[int, int]]:
-    """Edges along random walks from point to point, which never turn back."""
+    """Edges along random walks from the border, which never turn back.
+
+    A slit within a panel is left out: once it is straight it is no seam but an edge like any other.
+    """
+    sides = {(p, q) for a, b, c in faces.tolist() for p, q in ((a, b), (b, c), (c, a))}
+    border = sorted(p for p, q in sides if (q, p) not in sides)
     beside: dict[int, list[int]] = {}
-    for a, b, c in faces.tolist():
-        for p, q in ((a, b), (b, c), (c, a)):
-            beside.setdefault(p, []).append(q)
+    for p, q in sorted(sides):
+        beside.setdefault(p, []).append(q)
     cut: set[tuple[int, int]] = set()
     for _ in range(count):
-        here, seen = int(random.choice(faces.ravel())), set[int]()
+        here, seen = int(random.choice(border)), set[int]()
         for _ in range(int(random.integers(2, 6))):
             seen.add(here)
             ahead = [q for q in beside[here] if q not in seen]
