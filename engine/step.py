@@ -5,7 +5,7 @@ positive semi-definite Hessians. A first iteration from x0 is the linearly impli
 Witkin (1998). Every displacement passes the guard, so no pair ever meets.
 """
 
-from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,12 @@ from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessi
 from toile.engine.cg import solve
 from toile.engine.cloth import Cloth
 from toile.engine.forces.bend import Bending
-from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.contact import NO_MOTION, ContactLaw, Contacts, evaluate_contacts
 from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
+from toile.engine.forces.wind import Wind
 from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
@@ -34,13 +35,21 @@ FEW = 0.02
 """Share of nodes that may be held back for want of candidates rather than search anew."""
 
 
+class Saved(NamedTuple):
+    """Node positions [m], velocities [m/s] and friction anchors [m] before a step."""
+
+    positions: Float
+    velocities: Float
+    anchor: Float | None
+
+
 class ClothStepper:
     """Forces, matrix pattern and contact search of one topology; makes steps on its cloth."""
 
     def __init__(
         self, cloth: Cloth, avatar: AvatarSurface | None, options: StepOptions, clock: StageClock
     ) -> None:
-        started = perf_counter()
+        started = clock.now()
         self.options = options
         self.clock = clock
         self.avatar = avatar
@@ -62,6 +71,7 @@ class ClothStepper:
         self.bending: Bending | None = None
         if any(max(f.bending_warp, f.bending_weft, f.bending_bias) > 0.0 for f in fabrics):
             self.bending = Bending.for_cloth(cloth)
+        self.wind = None if options.air is None else Wind(faces, len(self.x), options.air)
         self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
         self.stitch_length = cloth.stitch_length
         self.untangling: Untangling | None = None
@@ -95,12 +105,20 @@ class ClothStepper:
         self._motion = np.zeros(len(self.x))
         clock.add("assembly", started)
 
-    def contacts(self, request: StepRequest) -> Contacts | None:
-        """Find and evaluate contacts at the current positions."""
+    def contacts(self, request: StepRequest, ahead: Float | None = None) -> Contacts | None:
+        """Find and evaluate contacts at the current positions, and those that motion `ahead` [m] leads to."""
         if self.search is None:
             return None
-        if not (self.search.allowance(self.x) > 0.0).all():
-            self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
+        if ahead is None:
+            if not (self.search.allowance(self.x) > 0.0).all():
+                self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
+            moving = NO_MOTION
+        else:
+            length = np.linalg.norm(ahead, axis=1)
+            if not (self.search.allowance(self.x) >= length).all():
+                self.search.search(self.x, MOTION_AHEAD * length + LEAST_ALLOWANCE)
+            moving = np.zeros_like(self.search.positions)
+            moving[: len(self.x)] = ahead
         self.search.place(self.x)
         friction = request.friction
         law_body, law_self = self.options.law_body, self.options.law_self
@@ -110,6 +128,7 @@ class ClothStepper:
         return evaluate_contacts(
             self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
             self.radius_body, self.radius_self_all(), self.area, law_body, law_self, self.options.slip,
+            moving,
         )  # fmt: skip
 
     def radius_self_all(self) -> Float:
@@ -133,6 +152,16 @@ class ClothStepper:
             _scatter_contact_forces(contacts, gradient)
         return gradient
 
+    def save(self) -> Saved:
+        """Return what a step changes, so that it can be tried again."""
+        return Saved(self.x.copy(), self.v.copy(), None if self.search is None else self.anchor.copy())
+
+    def restore(self, saved: Saved) -> None:
+        """Go back to where the stepper was when it was saved."""
+        self.x[:], self.v = saved.positions, saved.velocities.copy()
+        if saved.anchor is not None:
+            self.anchor[:] = saved.anchor
+
     def step(self, request: StepRequest) -> StepOutcome:
         """Advance the cloth by one step; positions never pass through each other or the avatar."""
         h = request.h
@@ -143,9 +172,11 @@ class ClothStepper:
         y[:, 1] -= h * h * self.options.gravity * request.gravity
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
         node_diagonal = self.mass / h**2
+        if self.wind is not None:
+            self.wind.begin(start)
         for _ in range(request.newton):
-            now = perf_counter()
-            contacts = self.contacts(request)
+            now = self.clock.now()
+            contacts = self.contacts(request, None if request.at_rest else start + h * self.v - self.x)
             now = self.clock.add("contact", now)
             self.membrane.evaluate(self.x)
             self.blocks[:] = 0.0
@@ -159,6 +190,9 @@ class ClothStepper:
                 self.search.place(self.x)
                 self.untangling.evaluate(self.search.positions)
             gradient = self.gradient(y, request, contacts)
+            if self.wind is not None:
+                gradient += self.wind.gradient((self.x - start) / h)
+                self.blocks[self.pattern.diagonal] += self.wind.drag / h
             stencils = []
             if contacts is not None:
                 stencils.append(ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness))
@@ -185,8 +219,12 @@ class ClothStepper:
             outcome.limited = limited
             self.x += move
             self.clock.add("contact", now)
-            if np.abs(move).max() < request.newton_tolerance:
+            outcome.converged &= result.converged
+            last = float(np.abs(move).max())
+            if last < request.newton_tolerance:
                 break
+        if request.newton > 1:
+            outcome.converged &= last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
         self.v = np.zeros_like(self.x) if request.at_rest else (self.x - start) / h
         self._slide_anchors(contacts)
