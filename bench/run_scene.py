@@ -48,7 +48,7 @@ def main() -> None:
         f"{record.cg_iterations} CG, {searches} searches\n"
         f"CPU s per simulated second {cpu / record.simulated_seconds:.2f}   {shares}\n"
         f"crossings: worst frame {max(map(sum, record.crossings))}, sum {sum(map(sum, record.crossings))}   "
-        f"stretch max {100 * max(record.stretch_max):.2f} %, at the end {100 * record.stretch_max[-1]:.2f} %   "
+        f"stretch max {100 * max(record.stretch_max):.2f} %, end {100 * record.stretch_max[-1]:.2f} %   "
         f"min gap {1e3 * min(record.min_gap):.4f} mm"
     )
 

@@ -37,7 +37,7 @@ class ClothRun:
         self.stepper = ClothStepper(cloth, self.surface, options, clock)
 
     def restart(self, cloth: Cloth, anchors: Float | None = None) -> None:
-        """Go on with a cloth of another topology, friction anchors [m], shape (n, 3), at its nodes or given."""
+        """Go on with a cloth of another topology; friction anchors [m], shape (n, 3), start at its nodes."""
         self.cloth = cloth
         self.stepper = ClothStepper(cloth, self.surface, self.stepper.options, self.clock)
         if anchors is not None and self.stepper.search is not None:

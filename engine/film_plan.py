@@ -20,8 +20,7 @@ class FilmPlan:
     longest_step, shortest_step
         Limits of the step size [s].
     stretch_rise
-        A step that stretches cloth by more than this beyond its largest stretch so far is tried again with half
-        its size.
+        A step that raises the largest stretch of the cloth by more than this is tried again at half size.
     newton
         Newton iterations per step at most; 1 is the linearly implicit step.
     newton_tolerance
@@ -32,9 +31,9 @@ class FilmPlan:
 
     step: StepOptions
     frame_seconds: float = 1.0 / 30.0
-    longest_step: float = 1.0 / 60.0
+    longest_step: float = 1.0 / 120.0
     shortest_step: float = 1.0 / 1920.0
-    stretch_rise: float = 0.02
+    stretch_rise: float = 0.05
     newton: int = 1
     newton_tolerance: float = 1e-5
     cg_tolerance: float = 1e-2
@@ -76,9 +75,9 @@ class FilmFrame:
 class FilmRecord:
     """What a film did.
 
-    `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that were
-    kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth), faces,
-    steps since the last frame, largest stretch, smallest gap [m].
+    `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
+    were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
+    faces, steps since the last frame, largest stretch, smallest gap [m].
     """
 
     steps: int = 0

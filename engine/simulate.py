@@ -10,7 +10,7 @@ from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Float, Int
 
-GROWTH = 1.5
+GROWTH = 1.2
 """Factor on the step size after a step that went well."""
 
 BetweenFrames = Callable[["Simulation"], tuple[Cloth, Float | None] | None]
@@ -20,8 +20,8 @@ BetweenFrames = Callable[["Simulation"], tuple[Cloth, Float | None] | None]
 class Simulation(ClothRun):
     """A film in progress: call `run`.
 
-    The avatar is given as (vertices, faces) and does not move. `on_frame` is called with every audited frame and
-    ends the film by returning False. `between_frames` is called after it and may go on with another mesh.
+    The avatar is given as (vertices, faces) and does not move. `on_frame` is called with every audited frame
+    and ends the film by returning False. `between_frames` is called after it and may go on with another mesh.
     """
 
     def __init__(
@@ -111,8 +111,9 @@ class Simulation(ClothRun):
         record = self.record
         crossings = self.audited_cloth()
         frame = FilmFrame(
-            index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth, crossings=crossings,
-            steps=self._steps, contacts=self._contacts, min_gap=self._min_gap, stretch_max=self.stretch_max(),
+            index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,
+            crossings=crossings, steps=self._steps, contacts=self._contacts, min_gap=self._min_gap,
+            stretch_max=self.stretch_max(),
         )  # fmt: skip
         record.crossings.append((len(crossings.avatar), len(crossings.cloth)))
         record.faces.append(len(self.cloth.faces))

@@ -31,6 +31,14 @@ from toile.geometry.arrays import Bool, Float
 MOTION_AHEAD = 1.1
 LEAST_ALLOWANCE = 1e-3
 """Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
+STEPS_AHEAD = 3.0
+DRIFT_ALLOWANCE = 5e-3
+"""In motion candidates cover STEPS_AHEAD steps and, beside them, DRIFT_ALLOWANCE [m]."""
+LANDING = 20.0
+"""Stiffness of contacts ahead, over that of inertia: lands within a twentieth of what it stops.
+
+At full stiffness pairs that would only touch later hold cloth and obstacle together as if glued.
+"""
 FEW = 0.02
 """Share of nodes that may be held back for want of candidates rather than search anew."""
 
@@ -99,10 +107,12 @@ class ClothStepper:
             self.area = np.concatenate(
                 [cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area]
             )
+            self.density = self.mass.sum() / self.area[: len(self.x)].sum()
             self.radius_body = np.full(len(self.x) + others, options.radius_body)
             self.radius_self = np.minimum(options.radius_self, 0.4 * _shortest_edge(cloth))
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(len(self.x))
+        self._allowed = np.full(len(self.x), DRIFT_ALLOWANCE)
         clock.add("assembly", started)
 
     def contacts(self, request: StepRequest, ahead: Float | None = None) -> Contacts | None:
@@ -114,9 +124,10 @@ class ClothStepper:
                 self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
             moving = NO_MOTION
         else:
-            length = np.linalg.norm(ahead, axis=1)
-            if not (self.search.allowance(self.x) >= length).all():
-                self.search.search(self.x, MOTION_AHEAD * length + LEAST_ALLOWANCE)
+            # Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
+            missed = np.count_nonzero(~(self.search.allowance(self.x + ahead) >= 0.0))
+            if missed > FEW * len(self.x) or not self.search.covers(self.x):
+                self.search.search(self.x, self._allowed, drift=STEPS_AHEAD * ahead)
             moving = np.zeros_like(self.search.positions)
             moving[: len(self.x)] = ahead
         self.search.place(self.x)
@@ -128,7 +139,7 @@ class ClothStepper:
         return evaluate_contacts(
             self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
             self.radius_body, self.radius_self_all(), self.area, law_body, law_self, self.options.slip,
-            moving,
+            moving, LANDING * self.density / request.h**2,
         )  # fmt: skip
 
     def radius_self_all(self) -> Float:
@@ -170,13 +181,17 @@ class ClothStepper:
             self.v[:] = 0.0
         y = start + h * self.v
         y[:, 1] -= h * h * self.options.gravity * request.gravity
+        ahead = h * self.v
+        if not request.at_rest:
+            # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
+            ahead[:, 1] -= np.minimum(start[:, 1] + ahead[:, 1] - y[:, 1], np.linalg.norm(ahead, axis=1))
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
         node_diagonal = self.mass / h**2
         if self.wind is not None:
             self.wind.begin(start)
         for _ in range(request.newton):
             now = self.clock.now()
-            contacts = self.contacts(request, None if request.at_rest else start + h * self.v - self.x)
+            contacts = self.contacts(request, None if request.at_rest else start + ahead - self.x)
             now = self.clock.add("contact", now)
             self.membrane.evaluate(self.x)
             self.blocks[:] = 0.0
@@ -215,7 +230,10 @@ class ClothStepper:
             now = self.clock.add("solve", now)
             outcome.newton_iterations += 1
             outcome.cg_iterations += result.iterations
-            move, limited = self._safe(result.solution, request.motion_max)
+            if request.at_rest:
+                move, limited = self._safe(result.solution, request.motion_max)
+            else:
+                move, limited = self._safe_in_motion(result.solution)
             outcome.limited = limited
             self.x += move
             self.clock.add("contact", now)
@@ -261,6 +279,36 @@ class ClothStepper:
             np.concatenate([self.search.body[1], self.search.cloth[1]]),
         )[: len(self.x)]  # fmt: skip
         return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
+
+    def _safe_in_motion(self, wanted: Float) -> tuple[Float, int]:
+        """Shorten a displacement to what is safe; also count the nodes held back.
+
+        Candidates for a common drift leave out pairs that move together. Where the guard tears such a pair
+        apart, they are searched again with room for what it held back.
+        """
+        search = self.search
+        if search is None:
+            return wanted, 0
+        if not (search.covers(self.x) and search.covers(self.x + wanted)):
+            search.search(self.x, self._allowed, drift=wanted)
+        room = self._allowed
+        for attempt in range(4):
+            search.place(self.x)
+            move = np.zeros_like(search.positions)
+            move[: len(self.x)] = wanted
+            factor = safe_factors(
+                search.positions, move,
+                np.concatenate([search.body[0], search.cloth[0]]),
+                np.concatenate([search.body[1], search.cloth[1]]),
+            )[: len(self.x)]  # fmt: skip
+            done = wanted * factor[:, None]
+            if search.covers(self.x + done):
+                return done, int(np.count_nonzero(factor < 1.0))
+            length = np.linalg.norm(wanted, axis=1)
+            lost = length if attempt == 2 else (1.0 - factor) * length
+            room = np.maximum(room, LEAST_ALLOWANCE + MOTION_AHEAD * lost)
+            search.search(self.x, room, drift=wanted)
+        return np.zeros_like(wanted), len(wanted)
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.

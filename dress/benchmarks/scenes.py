@@ -1,4 +1,4 @@
-"""Reference scenes of cloth in motion: a sheet falls on a sphere, a flag in wind, a sheet hung by two corners.
+"""Reference scenes of cloth in motion: a sheet on a sphere, a flag in wind, a sheet hung by two corners.
 
 All use cotton poplin on meshes of one edge length.
 """
@@ -17,7 +17,7 @@ from toile.engine.film_plan import FilmPlan
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.wind import AirFlow
 from toile.engine.step_request import StepOptions
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.panel_mesh import triangulate_panel
 
 GRAVITY = 9.81
@@ -38,10 +38,10 @@ class BenchmarkScene(NamedTuple):
 
 
 def sphere(edge: float) -> BenchmarkScene:
-    """Return a square of 1 m, `edge` [m] long triangles, that falls 5 cm onto a fixed sphere of radius 0.25 m.
+    """Return a square of 1 m, edges `edge` [m] long, that falls 5 cm onto a fixed sphere of radius 0.25 m.
 
-    The sphere is an icosphere of 5120 triangles between its circumscribed and inscribed sphere, so that its
-    faces are at most 0.25 mm inside. Cloth touches itself. Two seconds.
+    The sphere is an icosphere of 5120 triangles whose faces are at most 0.25 mm inside the true one. Cloth
+    touches itself. Two seconds.
     """
     ball = trimesh.creation.icosphere(subdivisions=4, radius=SPHERE_RADIUS)
     avatar = (
@@ -58,9 +58,9 @@ def sphere(edge: float) -> BenchmarkScene:
 def flag(edge: float) -> BenchmarkScene:
     """Return a flag of 1.5 m x 1 m held along its short edge, in a wind of 10 m/s along it. Two seconds.
 
-    The wind comes five degrees from the side, because an exactly flat flag along the wind feels none. Pressure
-    drag of a plate, rho c u^2/2 with 1.2 kg/m^3 and c = 1, is 60 Pa at 10 m/s; the force here is linear in
-    the relative speed and gives the same there with k_w = rho c u/2 = 6 N s/m^3.
+    The wind comes five degrees from the side, because a flat flag along the wind feels none. Pressure drag of
+    a plate, rho c u^2/2 with 1.2 kg/m^3 and c = 1, is 60 Pa at 10 m/s; the force here is linear in the
+    relative speed and gives the same there with k_w = rho c u/2 = 6 N s/m^3.
     """
     flat, faces = _rectangle(1.5, 1.0, edge)
     positions = np.column_stack((flat, np.zeros(len(flat))))
@@ -74,8 +74,8 @@ def flag(edge: float) -> BenchmarkScene:
 def hang(edge: float) -> BenchmarkScene:
     """Return a square of 1 m, level at first, that swings down from two pinned neighbouring corners.
 
-    Two seconds of film in still air (of the resistance at 1 m/s); the scene is compared by the equilibrium that
-    draping steps find from where the film ends.
+    Two seconds of film in still air (of the resistance at 1 m/s). The equilibrium is what meshes should be
+    compared by: draping steps find it from where the film ends.
     """
     flat, faces = _rectangle(1.0, 1.0, edge)
     positions = np.column_stack((flat[:, 0], np.zeros(len(flat)), 1.0 - flat[:, 1]))
@@ -122,7 +122,7 @@ def _rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:
     return mesh.vertices, mesh.faces
 
 
-def _cloth(flat: Float, faces: Int, positions: Float, pinned: Float) -> Cloth:
+def _cloth(flat: Float, faces: Int, positions: Float, pinned: Bool) -> Cloth:
     """Make a flat sheet of cotton poplin, warp along the first coordinate of `flat` [m], shape (n, 2)."""
     sheet = GarmentMesh(
         name="sheet", positions=positions, uv=flat, faces=faces, panel=np.zeros(len(faces), np.int32),

@@ -6,9 +6,9 @@ force is smooth and grows without limit as the gap closes (activation of Chen et
 Friction pulls against the tangential slip u of this step with mu * lambda * f(|u|), f rising smoothly
 from 0 to 1 at |u| = slip (Li et al. 2020, section 5).
 
-Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer than r is
-a contact already: the quadratic law, extended to d > r, makes the linear solve end at the gap r, so that an
-impact takes one step of any size instead of as many as resolve r.
+Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer than
+r / 2 is a contact already: the quadratic law, extended to d > r at a stiffness that outweighs inertia, makes
+the linear solve end near the gap r, so that an impact takes one step of any size.
 """
 
 from dataclasses import dataclass
@@ -60,13 +60,13 @@ class Contacts:
 @kernel(
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
-        types.float64, types.float64, F64_2, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_3,
-        OUT_F64_1, OUT_F64_1,
+        types.float64, types.float64, F64_2, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2,
+        OUT_F64_3, OUT_F64_1, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
-    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, ahead, begin,
-    nodes, weights, force, stiffness, gap, energy,
+    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, ahead, kappa_ahead,
+    begin, nodes, weights, force, stiffness, gap, energy,
 ):  # fmt: skip
     """Append the active pairs of one list from row `begin`; return the new row count."""
     count = begin
@@ -90,7 +90,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
             for q in range(4):
                 v = pairs[row, q]
                 meeting += w[q] * (nx * ahead[v, 0] + ny * ahead[v, 1] + nz * ahead[v, 2])
-            if meeting >= r:
+            if meeting >= 0.5 * r:
                 continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
         patch = abs(w[0]) * area[i]
@@ -100,7 +100,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         else:
             patch += abs(w[1]) * area[j]
         patch = 2.0 * min(patch, other)
-        scale = 0.5 * kappa * patch
+        scale = 0.5 * (kappa if d < r else min(kappa, kappa_ahead)) * patch
         if d >= 0.5 * r:
             push = scale * (r - d)
             hard = scale
@@ -184,6 +184,7 @@ def evaluate_contacts(
     p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
     radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
     slip: float, ahead: Float = NO_MOTION,
+    stiffness_ahead: float = 0.0,
 ) -> Contacts:  # fmt: skip
     """Evaluate all candidate pairs at positions p.
 
@@ -200,8 +201,10 @@ def evaluate_contacts(
     slip
         Slip at which friction is fully mobilised in this step [m].
     ahead
-        Motion to come [m], shape (n, 3): pairs that it would bring closer than the radius are contacts already,
-        which land at the radius. Without it only pairs within the radius are.
+        Motion to come [m], shape (n, 3): pairs that it would bring closer than half the radius are
+        contacts already, without friction. Without it only pairs within the radius are.
+    stiffness_ahead
+        Pressure per depth of such contacts [Pa/m].
     """
     capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
     nodes = np.empty((capacity, 4), np.int32)
@@ -218,7 +221,7 @@ def evaluate_contacts(
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, law.friction,
-                    slip, share, ahead, count, nodes, weights, force, stiffness, gap, energy,
+                    slip, share, ahead, stiffness_ahead, count, nodes, weights, force, stiffness, gap, energy,
                 )  # fmt: skip
         if pairs_of is body:
             touching_body = count
