@@ -4,6 +4,8 @@ from collections.abc import Callable
 from math import ceil, inf
 from time import process_time
 
+import numpy as np
+
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord
@@ -65,13 +67,15 @@ class Simulation(ClothRun):
         plan, record = self.plan, self.record
         left = seconds
         while left > 1e-9 * seconds:
-            h = left / ceil(left / self._h - 1e-9)
+            speed = float(np.linalg.norm(self.stepper.v, axis=1).max())
+            wished = min(self._h, plan.motion_max / max(speed, 1e-300))
+            h = left / ceil(left / wished - 1e-9)
             outcome, good = self._attempt(h)
             if outcome is None:
                 self._h = 0.5 * h
                 continue
             if good:
-                self._h = min(GROWTH * max(h, self._h), plan.longest_step)
+                self._h = min(GROWTH * self._h, plan.longest_step)
             left -= h
             record.steps += 1
             record.simulated_seconds += h

@@ -160,7 +160,7 @@ class ClothStepper:
         if self.untangling is not None and request.untangle_stiffness > 0.0:
             self.untangling.add_gradient(request.untangle_stiffness, gradient)
         if contacts is not None:
-            _scatter_contact_forces(contacts, gradient)
+            contacts.add_gradient(gradient)
         return gradient
 
     def save(self) -> Saved:
@@ -390,18 +390,6 @@ def _joined(stencils: list[ContactStencils]) -> ContactStencils:
     return ContactStencils(
         *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
     )
-
-
-def _scatter_contact_forces(contacts: Contacts, gradient: Float) -> None:
-    """Subtract contact forces from a gradient."""
-    for corner in range(4):
-        nodes = contacts.nodes[:, corner]
-        real = nodes >= 0
-        for axis in range(3):
-            gradient[:, axis] -= np.bincount(
-                nodes[real], weights=(contacts.weights[real, corner] * contacts.force[real, axis]),
-                minlength=len(gradient),
-            )  # fmt: skip
 
 
 def _shortest_edge(cloth: Cloth) -> Float:

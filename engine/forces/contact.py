@@ -56,6 +56,17 @@ class Contacts:
         """Number of active contacts."""
         return len(self.gap)
 
+    def add_gradient(self, gradient: Float) -> None:
+        """Subtract contact forces [N] from a gradient, shape (n, 3)."""
+        for corner in range(4):
+            nodes = self.nodes[:, corner]
+            real = nodes >= 0
+            for axis in range(3):
+                gradient[:, axis] -= np.bincount(
+                    nodes[real], weights=(self.weights[real, corner] * self.force[real, axis]),
+                    minlength=len(gradient),
+                )  # fmt: skip
+
 
 @kernel(
     types.int64(

@@ -58,7 +58,7 @@ def energy(stepper: ClothStepper, gravity: float) -> float:
 def test_free_fall_errs_by_half_a_step_of_speed(steps_per_second: int) -> None:
     """Backward Euler: speeds are exact, the fall is g t (t + h) / 2."""
     h, seconds = 1.0 / steps_per_second, 0.2
-    plan = FilmPlan(step=options(), longest_step=h, cg_tolerance=1e-10)
+    plan = FilmPlan(step=options(), longest_step=h, motion_max=inf, cg_tolerance=1e-10)
     run, frames = film(level_sheet(0.3, 0.3, 0.1, 0.0), seconds, plan)
     assert len(frames) == 7
     assert run.record.steps == round(seconds / h)
@@ -77,10 +77,11 @@ def test_momentum_is_kept_in_free_flight() -> None:
     assert run.record.cg_iterations > 0
 
 
-def test_a_hanging_strip_loses_energy_all_the_time() -> None:
+@pytest.mark.parametrize("newton", [1, 4])
+def test_a_hanging_strip_loses_energy_all_the_time(newton: int) -> None:
     cloth = level_sheet(0.5, 0.1, 0.025, 0.0)
     cloth = replace(cloth, pinned=cloth.positions[:, 0] < -0.25 + 1e-9)
-    plan = FilmPlan(step=options(), cg_tolerance=1e-6)
+    plan = FilmPlan(step=options(), newton=newton, newton_tolerance=1e-3, cg_tolerance=1e-6)
     levels: list[float] = []
 
     def weigh(_: FilmFrame) -> bool:
@@ -90,7 +91,7 @@ def test_a_hanging_strip_loses_energy_all_the_time() -> None:
     run = Simulation(cloth, None, plan, weigh)
     record = run.run(1.0)
     assert np.diff(levels).max() < 1e-9
-    assert levels[-1] < levels[0] - 0.3 * GRAVITY * cloth.mass.sum() * 0.25
+    assert levels[-1] < levels[0] - 0.2 * GRAVITY * cloth.mass.sum() * 0.25
     assert np.array_equal(run.stepper.x[cloth.pinned], cloth.positions[cloth.pinned])
     assert max(record.stretch_max) < 0.1
 
