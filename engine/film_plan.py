@@ -20,12 +20,12 @@ class FilmPlan:
     longest_step, shortest_step
         Limits of the step size [s].
     stretch_rise
-        A step that raises the largest stretch of the cloth by more than this is tried again at half size.
+        A step that raises the largest stretch of the cloth by more than this is tried again, halved.
     motion_max
         Longest motion of a node in one step at its present speed [m]: faster cloth takes shorter steps.
     newton
-        Newton iterations per step at most; 1 is the linearly implicit step, which brakes turning cloth: a strip
-        that swings loses most of its energy in a second, with 4 iterations only what backward Euler takes.
+        Newton iterations per step at most; 1 is the linearly implicit step, which brakes turning cloth: a
+        swinging strip loses most of its energy in a second, with 4 only what backward Euler takes.
     newton_tolerance
         Motion [m] below which the iterations of a step have converged.
     cg_tolerance

@@ -109,7 +109,7 @@ class ClothStepper:
             )
             self.density = self.mass.sum() / self.area[: len(self.x)].sum()
             self.radius_body = np.full(len(self.x) + others, options.radius_body)
-            self.radius_self = np.minimum(options.radius_self, 0.4 * _shortest_edge(cloth))
+            self.radius_self = np.minimum(options.radius_self, 0.4 * cloth.shortest_edge)
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(len(self.x))
         self._allowed = np.full(len(self.x), DRIFT_ALLOWANCE)
@@ -390,14 +390,3 @@ def _joined(stencils: list[ContactStencils]) -> ContactStencils:
     return ContactStencils(
         *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
     )
-
-
-def _shortest_edge(cloth: Cloth) -> Float:
-    """Shortest rest edge at every node [m], shape (n,)."""
-    shortest = np.full(len(cloth.positions), np.inf)
-    faces = cloth.face_nodes
-    for k in range(3):
-        edge = np.linalg.norm(cloth.rest_corners[:, k] - cloth.rest_corners[:, (k + 1) % 3], axis=1)
-        np.minimum.at(shortest, faces[:, k], edge)
-        np.minimum.at(shortest, faces[:, (k + 1) % 3], edge)
-    return shortest
