@@ -9,6 +9,8 @@ from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import BOOL_1, BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
 
+STILL = np.empty((0, 3))
+
 
 @helper
 def _box_gap_exceeds(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
@@ -30,8 +32,46 @@ def _box_gap_exceeds(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def
 
 
 @helper
-def _is_candidate(p, weld, ghost, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
-    """Whether the pair shares no sewn vertex, is not all ghost, and is closer than its reaches together."""
+def _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
+    """Whether an axis keeps the two primitives farther apart than reach while they move from p to ends."""
+    q = i if kind == 0 else j
+    r = j if kind == 0 else k
+    for axis in range(3):
+        low_a = min(p[i, axis], p[q, axis])
+        high_a = max(p[i, axis], p[q, axis])
+        low_b = min(p[r, axis], p[k, axis], p[m, axis])
+        high_b = max(p[r, axis], p[k, axis], p[m, axis])
+        if low_a - high_b > reach:
+            low_a = min(ends[i, axis], ends[q, axis])
+            high_b = max(ends[r, axis], ends[k, axis], ends[m, axis])
+            if low_a - high_b > reach:
+                return True
+        elif low_b - high_a > reach:
+            high_a = max(ends[i, axis], ends[q, axis])
+            low_b = min(ends[r, axis], ends[k, axis], ends[m, axis])
+            if low_b - high_a > reach:
+                return True
+    return False
+
+
+@helper
+def _separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """How far the first primitive is ahead of the second along n."""
+    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
+    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
+    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
+    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
+    if kind == 0:
+        return hi - max(hj, hk, hm)
+    return min(hi, hj) - max(hk, hm)
+
+
+@helper
+def _is_candidate(p, ends, weld, ghost, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
+    """Whether the pair shares no sewn vertex, is not all ghost, and comes closer than its reaches together.
+
+    Two primitives that are apart by `reach` along n at both ends of straight motions are so all the way.
+    """
     if ghost[i] and ghost[j] and ghost[k] and ghost[m]:
         return False
     a = weld[i]
@@ -47,21 +87,42 @@ def _is_candidate(p, weld, ghost, kind, i, j, k, m, reaches):  # type: ignore[no
         reach = reaches[i] + max(reaches[j], reaches[k], reaches[m])
     else:
         reach = max(reaches[i], reaches[j]) + max(reaches[k], reaches[m])
-    if _box_gap_exceeds(p, kind, i, j, k, m, reach):
+    moving = ends.shape[0] > 0
+    if moving:
+        if _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):
+            return False
+    elif _box_gap_exceeds(p, kind, i, j, k, m, reach):
         return False
     wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
     x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
-    return length(x, y, z) < reach
+    d = length(x, y, z)
+    if d < reach or not moving:
+        return d < reach
+    return _separation(ends, kind, i, j, k, m, x / d, y / d, z / d) < reach
 
 
 @kernel(
     types.UniTuple(types.int64, 2)(
-        F64_2, I32_1, BOOL_1, I32_2, I32_2, BOOL_2, BOOL_2, I32_2, BOOL_2, BOOL_2, F64_1, OUT_I32_2, OUT_I32_2
+        F64_2,
+        F64_2,
+        I32_1,
+        BOOL_1,
+        I32_2,
+        I32_2,
+        BOOL_2,
+        BOOL_2,
+        I32_2,
+        BOOL_2,
+        BOOL_2,
+        F64_1,
+        OUT_I32_2,
+        OUT_I32_2,
     )
 )
 def _emit(  # type: ignore[no-untyped-def]
-    p, weld, ghost, pairs, faces_a, vertex_a, edge_a, faces_b, vertex_b, edge_b, reach, vertex_face, edge_edge
-):
+    p, ends, weld, ghost, pairs, faces_a, vertex_a, edge_a, faces_b, vertex_b, edge_b, reach, vertex_face,
+    edge_edge,
+):  # fmt: skip
     """Write the candidates of face pairs while they fit; return how many of each kind there are."""
     count_vf = 0
     count_ee = 0
@@ -90,7 +151,7 @@ def _emit(  # type: ignore[no-untyped-def]
                     continue
                 i, j = faces_a[ta, ea], faces_a[ta, (ea + 1) % 3]
                 k, m = faces_b[tb, eb], faces_b[tb, (eb + 1) % 3]
-            if not _is_candidate(p, weld, ghost, kind, i, j, k, m, reach):
+            if not _is_candidate(p, ends, weld, ghost, kind, i, j, k, m, reach):
                 continue
             if kind == 0:
                 if count_vf < vertex_face.shape[0]:
@@ -111,7 +172,7 @@ def _emit(  # type: ignore[no-untyped-def]
 
 def find_candidates(
     p: Float, weld: Int, ghost: Bool, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
-    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float,
+    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float, ends: Float = STILL,
 ) -> tuple[Int, Int]:  # fmt: skip
     """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
 
@@ -130,6 +191,9 @@ def find_candidates(
         Face boxes, grown by the reach of their vertices, and hierarchies that were refitted to them.
     reach
         Half the contact radius plus the motion that the list must cover, per vertex [m], shape (n,).
+    ends
+        Where the vertices drift to, all at the same pace [m], shape (n, 3): reaches are then measured from
+        places on the way. By default they stay where they are.
     """
     if b is None:
         pairs = bvh.self_overlapping_pairs(tree_a, boxes_a)
@@ -141,8 +205,8 @@ def find_candidates(
         vertex_face = np.empty((capacity, 4), np.int32)
         edge_edge = np.empty((capacity, 4), np.int32)
         found = _emit(
-            p, weld, ghost, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex, b.owns_edge,
-            reach, vertex_face, edge_edge,
+            p, ends, weld, ghost, pairs, a.faces, a.owns_vertex, a.owns_edge, b.faces, b.owns_vertex,
+            b.owns_edge, reach, vertex_face, edge_edge,
         )  # fmt: skip
         if max(found) <= capacity:
             return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()

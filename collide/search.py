@@ -4,7 +4,7 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
-from toile.collide.candidates import find_candidates
+from toile.collide.candidates import STILL, find_candidates
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -119,6 +119,7 @@ class ContactSearch:
         self._tree: bvh.Bvh | None = None
         self._origin = np.full((count, 3), np.nan)
         self._allowed = np.zeros(count)
+        self._drift: Float | None = None
         self.body: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
         self.cloth: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
         self.rebuilds = 0
@@ -150,33 +151,78 @@ class ContactSearch:
 
         Negative where a node has moved too far already; not a number before the first search.
         """
-        used = np.sqrt(np.einsum("ij,ij->i", x - self._origin, x - self._origin))
+        away = x - self._origin
+        if self._drift is not None:
+            away -= _pace(away, self._drift) * self._drift
+        used = np.sqrt(np.einsum("ij,ij->i", away, away))
         return np.asarray(self._allowed - used)
 
-    def search(self, x: Float, motion: Float, *, body_only: bool = False) -> None:
+    def covers(self, x: Float) -> bool:
+        """Whether the candidates are complete for nodes at x and on the straight way there."""
+        return bool((self.allowance(x) >= 0.0).all())
+
+    def search(self, x: Float, motion: Float, *, drift: Float | None = None, body_only: bool = False) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
 
-        `body_only` leaves the pairs within the cloth as they were: enough to move the avatar alone.
+        With a `drift` [m], shape (n, 3), nodes may move as far from places that drift along, from x to x +
+        drift all at the same pace: pairs that drift together are not listed. `body_only` leaves the pairs
+        within the cloth as they were: enough to move the avatar alone.
         """
         self.place(x)
         self._origin = x.copy()
         self._allowed = motion.copy()
+        self._drift = None if drift is None else drift.copy()
         self._reach[: self._count] = 0.5 * self._radius_self + motion
+        self.rebuilds += 1
+        if self._self_contact and not body_only:
+            # Common motion does not matter among the cloth itself.
+            ends = self._ends(None if drift is None else drift - drift.mean(axis=0))
+            tree = self._own_tree(ends)
+            self.cloth = find_candidates(
+                self.positions, self.weld, self._ghost, self._surface, self._boxes, tree, None, self._boxes,
+                tree, self._reach, ends,
+            )  # fmt: skip
+        if self._avatar is not None and self._avatar_surface is not None:
+            ends = self._ends(drift)
+            own = self._own_tree(ends)
+            self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
+            tree = self._avatar.tree(self._reach[self._count :])
+            self.body = find_candidates(
+                self.positions, self.weld, self._ghost, self._surface, self._boxes, own, self._avatar_surface,
+                self._avatar.boxes, tree, self._reach, ends,
+            )  # fmt: skip
+
+    def _ends(self, drift: Float | None) -> Float:
+        """Return the places that all vertices drift to [m], shape (n, 3), or STILL."""
+        if drift is None:
+            return STILL
+        ends = self.positions.copy()
+        ends[: self._count] += drift
+        return ends
+
+    def _own_tree(self, ends: Float) -> bvh.Bvh:
+        """Hierarchy over the cloth's faces, swept to their ends and grown by their reach."""
         _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
+        if len(ends):
+            swept = np.empty_like(self._boxes)
+            _grown_boxes(ends, self._surface.faces, self._reach, swept)
+            np.minimum(self._boxes[:, :3], swept[:, :3], out=self._boxes[:, :3])
+            np.maximum(self._boxes[:, 3:], swept[:, 3:], out=self._boxes[:, 3:])
         if self._tree is None:
             self._tree = bvh.build(self._boxes)
         else:
             bvh.refit(self._tree, self._boxes)
-        self.rebuilds += 1
-        if self._self_contact and not body_only:
-            self.cloth = find_candidates(
-                self.positions, self.weld, self._ghost, self._surface, self._boxes, self._tree, None,
-                self._boxes, self._tree, self._reach,
-            )  # fmt: skip
-        if self._avatar is not None and self._avatar_surface is not None:
-            self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
-            tree = self._avatar.tree(self._reach[self._count :])
-            self.body = find_candidates(
-                self.positions, self.weld, self._ghost, self._surface, self._boxes, self._tree,
-                self._avatar_surface, self._avatar.boxes, tree, self._reach,
-            )  # fmt: skip
+        return self._tree
+
+
+def _pace(away: Float, drift: Float) -> float:
+    """How much of their drift nodes have done, 0 to 1: the median of those that drift farthest.
+
+    Any common share is valid; that of most nodes leaves the least to the others' allowance.
+    """
+    square = np.einsum("ij,ij->i", drift, drift)
+    far = square >= 0.25 * square.max()
+    if not square.max() > 0.0:
+        return 0.0
+    done = np.einsum("ij,ij->i", away[far], drift[far]) / square[far]
+    return float(np.clip(np.median(done), 0.0, 1.0))

@@ -107,6 +107,17 @@ class Cloth:
         return self.lumped(self.rest_area * density[self.fabric])
 
     @property
+    def shortest_edge(self) -> Float:
+        """Shortest rest edge at every node [m], shape (n,)."""
+        shortest = np.full(len(self.positions), np.inf)
+        faces = self.face_nodes
+        for k in range(3):
+            edge = np.linalg.norm(self.rest_corners[:, k] - self.rest_corners[:, (k + 1) % 3], axis=1)
+            np.minimum.at(shortest, faces[:, k], edge)
+            np.minimum.at(shortest, faces[:, (k + 1) % 3], edge)
+        return shortest
+
+    @property
     def weld(self) -> Int:
         """Number of the future node of every node: stitched nodes share it, shape (n,)."""
         count = len(self.positions)

@@ -1,17 +1,13 @@
 """A drape in progress: its cloth, the stepper of its present topology, and what was done so far."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 
-from toile.collide.audit import Auditor, Crossings
-from toile.collide.search import AvatarSurface
 from toile.engine.cloth import Cloth
+from toile.engine.cloth_run import ClothRun
 from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase, Remeshing
 from toile.engine.remeshing import remeshed
-from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -21,19 +17,11 @@ RELAXATIONS = 2
 """Newton iterations in which the nodes of remeshed faces settle."""
 
 
-class DrapeState:
+class DrapeState(ClothRun):
     """What the phases of a drape share.
 
     Attributes
     ----------
-    cloth
-        The cloth; its positions are those of the last frame.
-    stepper
-        Makes steps on the cloth's present topology; its positions are the current ones.
-    surface
-        The avatar as it is now, or None.
-    auditor
-        Finds crossings with the avatar as it is; None when it has moved since.
     ghost
         Material vertices that may pass through each other until they are disentangled, shape (m,).
     avatar_ghost
@@ -44,23 +32,19 @@ class DrapeState:
         What is being done.
     audited
         Step after which the last frame was audited; -1 before the first.
-    record, clock, plan
-        What was done, the time it took, and what to do.
+    record, plan
+        What was done, and what to do.
     """
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, growth: list[Growth], plan: DrapePlan,
         on_frame: Callable[[Frame], bool],
     ) -> None:  # fmt: skip
-        self.cloth = cloth
+        super().__init__(cloth, avatar, plan.step, StageClock())
         self.plan = plan
         self.on_frame = on_frame
-        self.clock = StageClock()
         self.record = DrapeRecord(first_faces=len(cloth.faces))
-        self.surface = None if avatar is None else AvatarSurface(*avatar)
         self.growth = growth
-        self.auditor: Auditor | None = None
-        self.stepper = ClothStepper(cloth, self.surface, plan.step, self.clock)
         self.record.node_counts.append(len(cloth.positions))
         self.ghost: Bool = np.zeros(len(cloth.node), bool)
         self.avatar_ghost: Bool | None = None
@@ -78,10 +62,9 @@ class DrapeState:
         pairs = self.cloth.stitches
         return np.asarray(np.linalg.norm(self.stepper.x[pairs[:, 0]] - self.stepper.x[pairs[:, 1]], axis=1))
 
-    def restart(self, cloth: Cloth) -> None:
+    def restart(self, cloth: Cloth, anchors: Float | None = None) -> None:
         """Go on with a cloth of another topology."""
-        self.cloth = cloth
-        self.stepper = ClothStepper(cloth, self.surface, self.plan.step, self.clock)
+        super().restart(cloth, anchors)
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)
 
@@ -89,15 +72,16 @@ class DrapeState:
         """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed."""
         if self.plan.sizing is None:
             return False
-        started = perf_counter()
+        started = self.clock.now()
         stepper = self.stepper
         found = remeshed(self.cloth, stepper, self.plan.sizing)
         if found is not None:
             before = stepper.elastic_energy()
-            self.cloth = found.cloth
-            self.stepper = ClothStepper(found.cloth, self.surface, self.plan.step, StageClock())
-            self.stepper.take_anchors(found.anchors)
+            # All that it takes counts as remeshing, not as assembly or contact.
+            clock, self.clock = self.clock, StageClock()
+            ClothRun.restart(self, found.cloth, found.anchors)
             self._relax(found.changed)
+            self.clock = self.stepper.clock = clock
             jump = (self.stepper.elastic_energy() - before) / max(before, 1e-300)
             self.record.remeshings.append(
                 Remeshing(
@@ -147,25 +131,13 @@ class DrapeState:
             self.close_frame(outcome.contacts)
         return outcome
 
-    def audit(self) -> Crossings:
-        """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
-        stepper, surface = self.stepper, self.surface
-        if self.auditor is None:
-            body = (None, None) if surface is None else (surface.vertices, surface.faces)
-            self.auditor = Auditor(*body)
-        return self.auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
-
     def close_frame(self, contacts: int) -> None:
         """Audit the cloth as it is and hand it out."""
-        now = perf_counter()
-        stepper = self.stepper
-        self.cloth = replace(self.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy())
-        crossings = self.audit()
+        crossings = self.audited_cloth()
         counts = (len(crossings.avatar), len(crossings.cloth))
         self.record.crossings.append(counts)
         if self.phase == "settling":
             self.record.settled_crossings.append(counts)
-        self.clock.add("audit", now)
         frame = Frame(
             index=self._frames, step=self.record.steps, phase=self.phase, cloth=self.cloth, contacts=contacts,
             rms_motion=self.record.rms_motion, peak_motion=self.record.peak_motion, crossings=crossings,
@@ -174,15 +146,6 @@ class DrapeState:
         self.audited = self.record.steps
         if not self.on_frame(frame):
             self.record.cancelled = True
-
-    def warp_weft_strain(self) -> Float:
-        """Strain along warp and weft of every face now, shape (t, 2)."""
-        return self.stepper.membrane.warp_weft_strain(self.stepper.x)
-
-    def smallest_gap(self) -> float | None:
-        """Smallest distance between cloth and avatar or cloth now [m]; None if nothing is within reach."""
-        contacts = self.stepper.contacts(StepRequest(h=1.0, at_rest=True))
-        return None if contacts is None or not contacts.count else float(contacts.gap.min())
 
 
 def node_mask(count: int, nodes: Int) -> Bool:

@@ -18,7 +18,6 @@ from toile.remesh.sizing import SizingOptions
 from toile.remesh.transfer import TransferMap
 from toile.remesh.vertex_tensors import vertex_tensors
 
-
 FEW = 0.02
 """Splits and collapses, as a share of the faces, that are not worth a new mesh: still cloth keeps its own."""
 

@@ -5,7 +5,7 @@ positive semi-definite Hessians. A first iteration from x0 is the linearly impli
 Witkin (1998). Every displacement passes the guard, so no pair ever meets.
 """
 
-from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,12 @@ from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessi
 from toile.engine.cg import solve
 from toile.engine.cloth import Cloth
 from toile.engine.forces.bend import Bending
-from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.contact import NO_MOTION, ContactLaw, Contacts, evaluate_contacts
 from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
+from toile.engine.forces.wind import Wind
 from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
@@ -30,8 +31,24 @@ from toile.geometry.arrays import Bool, Float
 MOTION_AHEAD = 1.1
 LEAST_ALLOWANCE = 1e-3
 """Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
+STEPS_AHEAD = 3.0
+DRIFT_ALLOWANCE = 5e-3
+"""In motion candidates cover STEPS_AHEAD steps and, beside them, DRIFT_ALLOWANCE [m]."""
+LANDING = 20.0
+"""Stiffness of contacts ahead, over that of inertia: lands within a twentieth of what it stops.
+
+At full stiffness pairs that would only touch later hold cloth and obstacle together as if glued.
+"""
 FEW = 0.02
 """Share of nodes that may be held back for want of candidates rather than search anew."""
+
+
+class Saved(NamedTuple):
+    """Node positions [m], velocities [m/s] and friction anchors [m] before a step."""
+
+    positions: Float
+    velocities: Float
+    anchor: Float | None
 
 
 class ClothStepper:
@@ -40,7 +57,7 @@ class ClothStepper:
     def __init__(
         self, cloth: Cloth, avatar: AvatarSurface | None, options: StepOptions, clock: StageClock
     ) -> None:
-        started = perf_counter()
+        started = clock.now()
         self.options = options
         self.clock = clock
         self.avatar = avatar
@@ -62,6 +79,7 @@ class ClothStepper:
         self.bending: Bending | None = None
         if any(max(f.bending_warp, f.bending_weft, f.bending_bias) > 0.0 for f in fabrics):
             self.bending = Bending.for_cloth(cloth)
+        self.wind = None if options.air is None else Wind(faces, len(self.x), options.air)
         self.stitches = Stitches(cloth.stitches) if len(cloth.stitches) else None
         self.stitch_length = cloth.stitch_length
         self.untangling: Untangling | None = None
@@ -89,18 +107,29 @@ class ClothStepper:
             self.area = np.concatenate(
                 [cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area]
             )
+            self.density = self.mass.sum() / self.area[: len(self.x)].sum()
             self.radius_body = np.full(len(self.x) + others, options.radius_body)
-            self.radius_self = np.minimum(options.radius_self, 0.4 * _shortest_edge(cloth))
+            self.radius_self = np.minimum(options.radius_self, 0.4 * cloth.shortest_edge)
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(len(self.x))
+        self._allowed = np.full(len(self.x), DRIFT_ALLOWANCE)
         clock.add("assembly", started)
 
-    def contacts(self, request: StepRequest) -> Contacts | None:
-        """Find and evaluate contacts at the current positions."""
+    def contacts(self, request: StepRequest, ahead: Float | None = None) -> Contacts | None:
+        """Find and evaluate contacts at the current positions, and those that motion `ahead` [m] leads to."""
         if self.search is None:
             return None
-        if not (self.search.allowance(self.x) > 0.0).all():
-            self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
+        if ahead is None:
+            if not (self.search.allowance(self.x) > 0.0).all():
+                self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
+            moving = NO_MOTION
+        else:
+            # Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
+            missed = np.count_nonzero(~(self.search.allowance(self.x + ahead) >= 0.0))
+            if missed > FEW * len(self.x) or not self.search.covers(self.x):
+                self.search.search(self.x, self._allowed, drift=STEPS_AHEAD * ahead)
+            moving = np.zeros_like(self.search.positions)
+            moving[: len(self.x)] = ahead
         self.search.place(self.x)
         friction = request.friction
         law_body, law_self = self.options.law_body, self.options.law_self
@@ -110,6 +139,7 @@ class ClothStepper:
         return evaluate_contacts(
             self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
             self.radius_body, self.radius_self_all(), self.area, law_body, law_self, self.options.slip,
+            moving, LANDING * self.density / request.h**2,
         )  # fmt: skip
 
     def radius_self_all(self) -> Float:
@@ -130,8 +160,18 @@ class ClothStepper:
         if self.untangling is not None and request.untangle_stiffness > 0.0:
             self.untangling.add_gradient(request.untangle_stiffness, gradient)
         if contacts is not None:
-            _scatter_contact_forces(contacts, gradient)
+            contacts.add_gradient(gradient)
         return gradient
+
+    def save(self) -> Saved:
+        """Return what a step changes, so that it can be tried again."""
+        return Saved(self.x.copy(), self.v.copy(), None if self.search is None else self.anchor.copy())
+
+    def restore(self, saved: Saved) -> None:
+        """Go back to where the stepper was when it was saved."""
+        self.x[:], self.v = saved.positions, saved.velocities.copy()
+        if saved.anchor is not None:
+            self.anchor[:] = saved.anchor
 
     def step(self, request: StepRequest) -> StepOutcome:
         """Advance the cloth by one step; positions never pass through each other or the avatar."""
@@ -141,11 +181,17 @@ class ClothStepper:
             self.v[:] = 0.0
         y = start + h * self.v
         y[:, 1] -= h * h * self.options.gravity * request.gravity
+        ahead = h * self.v
+        if not request.at_rest:
+            # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
+            ahead[:, 1] -= np.minimum(start[:, 1] + ahead[:, 1] - y[:, 1], np.linalg.norm(ahead, axis=1))
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
         node_diagonal = self.mass / h**2
+        if self.wind is not None:
+            self.wind.begin(start)
         for _ in range(request.newton):
-            now = perf_counter()
-            contacts = self.contacts(request)
+            now = self.clock.now()
+            contacts = self.contacts(request, None if request.at_rest else start + ahead - self.x)
             now = self.clock.add("contact", now)
             self.membrane.evaluate(self.x)
             self.blocks[:] = 0.0
@@ -159,6 +205,9 @@ class ClothStepper:
                 self.search.place(self.x)
                 self.untangling.evaluate(self.search.positions)
             gradient = self.gradient(y, request, contacts)
+            if self.wind is not None:
+                gradient += self.wind.gradient((self.x - start) / h)
+                self.blocks[self.pattern.diagonal] += self.wind.drag / h
             stencils = []
             if contacts is not None:
                 stencils.append(ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness))
@@ -181,12 +230,19 @@ class ClothStepper:
             now = self.clock.add("solve", now)
             outcome.newton_iterations += 1
             outcome.cg_iterations += result.iterations
-            move, limited = self._safe(result.solution, request.motion_max)
+            if request.at_rest:
+                move, limited = self._safe(result.solution, request.motion_max)
+            else:
+                move, limited = self._safe_in_motion(result.solution)
             outcome.limited = limited
             self.x += move
             self.clock.add("contact", now)
-            if np.abs(move).max() < request.newton_tolerance:
+            outcome.converged &= result.converged
+            last = float(np.abs(move).max())
+            if last < request.newton_tolerance:
                 break
+        if request.newton > 1:
+            outcome.converged &= last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
         self.v = np.zeros_like(self.x) if request.at_rest else (self.x - start) / h
         self._slide_anchors(contacts)
@@ -223,6 +279,36 @@ class ClothStepper:
             np.concatenate([self.search.body[1], self.search.cloth[1]]),
         )[: len(self.x)]  # fmt: skip
         return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
+
+    def _safe_in_motion(self, wanted: Float) -> tuple[Float, int]:
+        """Shorten a displacement to what is safe; also count the nodes held back.
+
+        Candidates for a common drift leave out pairs that move together. Where the guard tears such a pair
+        apart, they are searched again with room for what it held back.
+        """
+        search = self.search
+        if search is None:
+            return wanted, 0
+        if not (search.covers(self.x) and search.covers(self.x + wanted)):
+            search.search(self.x, self._allowed, drift=wanted)
+        room = self._allowed
+        for attempt in range(4):
+            search.place(self.x)
+            move = np.zeros_like(search.positions)
+            move[: len(self.x)] = wanted
+            factor = safe_factors(
+                search.positions, move,
+                np.concatenate([search.body[0], search.cloth[0]]),
+                np.concatenate([search.body[1], search.cloth[1]]),
+            )[: len(self.x)]  # fmt: skip
+            done = wanted * factor[:, None]
+            if search.covers(self.x + done):
+                return done, int(np.count_nonzero(factor < 1.0))
+            length = np.linalg.norm(wanted, axis=1)
+            lost = length if attempt == 2 else (1.0 - factor) * length
+            room = np.maximum(room, LEAST_ALLOWANCE + MOTION_AHEAD * lost)
+            search.search(self.x, room, drift=wanted)
+        return np.zeros_like(wanted), len(wanted)
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.
@@ -289,11 +375,6 @@ class ClothStepper:
         bending = 0.0 if self.bending is None else self.bending.energy(self.x)
         return self.membrane.energy(self.x) + bending
 
-    def take_anchors(self, anchors: Float) -> None:
-        """Take over friction anchors of the nodes [m], shape (n, 3)."""
-        if self.search is not None:
-            self.anchor[: len(self.x)] = anchors
-
     def _slide_anchors(self, contacts: Contacts | None) -> None:
         """Let friction anchors follow: free nodes take them along, sliding ones drag them at slip length."""
         if contacts is None:
@@ -314,26 +395,3 @@ def _joined(stencils: list[ContactStencils]) -> ContactStencils:
     return ContactStencils(
         *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
     )
-
-
-def _scatter_contact_forces(contacts: Contacts, gradient: Float) -> None:
-    """Subtract contact forces from a gradient."""
-    for corner in range(4):
-        nodes = contacts.nodes[:, corner]
-        real = nodes >= 0
-        for axis in range(3):
-            gradient[:, axis] -= np.bincount(
-                nodes[real], weights=(contacts.weights[real, corner] * contacts.force[real, axis]),
-                minlength=len(gradient),
-            )  # fmt: skip
-
-
-def _shortest_edge(cloth: Cloth) -> Float:
-    """Shortest rest edge at every node [m], shape (n,)."""
-    shortest = np.full(len(cloth.positions), np.inf)
-    faces = cloth.face_nodes
-    for k in range(3):
-        edge = np.linalg.norm(cloth.rest_corners[:, k] - cloth.rest_corners[:, (k + 1) % 3], axis=1)
-        np.minimum.at(shortest, faces[:, k], edge)
-        np.minimum.at(shortest, faces[:, (k + 1) % 3], edge)
-    return shortest

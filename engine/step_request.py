@@ -1,11 +1,13 @@
 """What a step is asked to do and what it did."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
 
 from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.wind import AirFlow
 from toile.geometry.arrays import Float
 
 
@@ -28,6 +30,8 @@ class StepOptions:
         Elastic slip of friction [m]: how far a sticking contact gives before it slides.
     self_contact
         Whether the cloth can touch itself.
+    air
+        Wind, or still air that brakes the cloth; None is a vacuum.
     """
 
     gravity: float
@@ -38,6 +42,7 @@ class StepOptions:
     growth_radius: float
     slip: float
     self_contact: bool
+    air: AirFlow | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,9 +100,14 @@ class StepRequest:
 
 @dataclass
 class StepOutcome:
-    """What one step did: motion [m] of the nodes, iterations, how much the guard held back."""
+    """What one step did: motion [m] of the nodes, iterations, how much the guard held back.
+
+    `converged` says whether the linear solver reached its tolerance in every iteration and the last iteration
+    moved no node farther than the Newton tolerance, where more than one was allowed.
+    """
 
     moved: Float
+    converged: bool = True
     newton_iterations: int = 0
     cg_iterations: int = 0
     contacts: int = 0
@@ -107,12 +117,13 @@ class StepOutcome:
 
 @dataclass
 class StageClock:
-    """Wall seconds spent per stage."""
+    """Seconds spent per stage, by `now`: of wall time, or of any other clock."""
 
     seconds: dict[str, float] = field(default_factory=dict)
+    now: Callable[[], float] = perf_counter
 
     def add(self, stage: str, since: float) -> float:
         """Book the time since `since` under `stage`; return now."""
-        now = perf_counter()
+        now = self.now()
         self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
         return now

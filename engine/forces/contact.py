@@ -5,6 +5,10 @@ quadratic kappa A (r - d)^2 / 2 down to r / 2, logarithmic below (force kappa A 
 force is smooth and grows without limit as the gap closes (activation of Chen et al. 2025, eq. 18-20).
 Friction pulls against the tangential slip u of this step with mu * lambda * f(|u|), f rising smoothly
 from 0 to 1 at |u| = slip (Li et al. 2020, section 5).
+
+Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer than
+r / 2 is a contact already: the quadratic law, extended to d > r at a stiffness that outweighs inertia, makes
+the linear solve end near the gap r, so that an impact takes one step of any size.
 """
 
 from dataclasses import dataclass
@@ -15,6 +19,8 @@ from numba import types
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_I32_2, kernel
+
+NO_MOTION = np.empty((0, 3))
 
 
 @dataclass(frozen=True)
@@ -50,17 +56,28 @@ class Contacts:
         """Number of active contacts."""
         return len(self.gap)
 
+    def add_gradient(self, gradient: Float) -> None:
+        """Subtract contact forces [N] from a gradient, shape (n, 3)."""
+        for corner in range(4):
+            nodes = self.nodes[:, corner]
+            real = nodes >= 0
+            for axis in range(3):
+                gradient[:, axis] -= np.bincount(
+                    nodes[real], weights=(self.weights[real, corner] * self.force[real, axis]),
+                    minlength=len(gradient),
+                )  # fmt: skip
+
 
 @kernel(
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
-        types.float64, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_3, OUT_F64_1,
-        OUT_F64_1,
+        types.float64, types.float64, F64_2, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2,
+        OUT_F64_3, OUT_F64_1, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
-    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, begin,
-    nodes, weights, force, stiffness, gap, energy,
+    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, ahead, kappa_ahead,
+    begin, nodes, weights, force, stiffness, gap, energy,
 ):  # fmt: skip
     """Append the active pairs of one list from row `begin`; return the new row count."""
     count = begin
@@ -74,11 +91,18 @@ def _evaluate(  # type: ignore[no-untyped-def]
         w[0], w[1], w[2], w[3] = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, w[0], w[1], w[2], w[3])
         d = length(x, y, z)
-        if d >= r or d <= 0.0:
+        if d <= 0.0 or (d >= r and ahead.shape[0] == 0):
             continue
         nx = x / d
         ny = y / d
         nz = z / d
+        if d >= r:
+            meeting = d
+            for q in range(4):
+                v = pairs[row, q]
+                meeting += w[q] * (nx * ahead[v, 0] + ny * ahead[v, 1] + nz * ahead[v, 2])
+            if meeting >= 0.5 * r:
+                continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
         patch = abs(w[0]) * area[i]
         other = abs(w[2]) * area[k] + abs(w[3]) * area[m]
@@ -87,7 +111,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         else:
             patch += abs(w[1]) * area[j]
         patch = 2.0 * min(patch, other)
-        scale = 0.5 * kappa * patch
+        scale = 0.5 * (kappa if d < r else min(kappa, kappa_ahead)) * patch
         if d >= 0.5 * r:
             push = scale * (r - d)
             hard = scale
@@ -112,7 +136,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         slid = length(sx, sy, sz)
         grip = 0.0
         ease = 0.0
-        if mu > 0.0:
+        if mu > 0.0 and push > 0.0:
             # Secant across the slip; along it the tangent, which vanishes once the contact slides: with
             # the secant a sliding contact could move no farther than about `slip` per iteration.
             if slid < slip:
@@ -170,7 +194,8 @@ class ContactLaw:
 def evaluate_contacts(
     p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
     radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
-    slip: float,
+    slip: float, ahead: Float = NO_MOTION,
+    stiffness_ahead: float = 0.0,
 ) -> Contacts:  # fmt: skip
     """Evaluate all candidate pairs at positions p.
 
@@ -186,6 +211,11 @@ def evaluate_contacts(
         Area per vertex [m^2], shape (n,).
     slip
         Slip at which friction is fully mobilised in this step [m].
+    ahead
+        Motion to come [m], shape (n, 3): pairs that it would bring closer than half the radius are
+        contacts already, without friction. Without it only pairs within the radius are.
+    stiffness_ahead
+        Pressure per depth of such contacts [Pa/m].
     """
     capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
     nodes = np.empty((capacity, 4), np.int32)
@@ -202,7 +232,7 @@ def evaluate_contacts(
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, law.friction,
-                    slip, share, count, nodes, weights, force, stiffness, gap, energy,
+                    slip, share, ahead, stiffness_ahead, count, nodes, weights, force, stiffness, gap, energy,
                 )  # fmt: skip
         if pairs_of is body:
             touching_body = count

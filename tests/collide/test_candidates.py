@@ -107,6 +107,42 @@ def test_the_list_is_brute_force(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+def test_the_list_covers_a_drift_and_what_strays_from_it(seed: int) -> None:
+    """All nodes do the same share of their drift: every pair within the contact radius is listed."""
+    x, faces, body, body_faces = scene(seed)
+    generator = np.random.default_rng(300 + seed)
+    weld = np.arange(len(x), dtype=np.int32)
+    avatar = AvatarSurface(body, body_faces)
+    search = ContactSearch(faces, weld, avatar, self_contact=True, radius_self=RADIUS, radius_body=RADIUS)
+    stray = generator.uniform(0.002, 0.003, size=len(x))
+    drift = np.array([0.03, -0.01, 0.02]) + 0.01 * generator.normal(size=x.shape)
+    search.search(x, stray, drift=drift)
+    still = ContactSearch(faces, weld, avatar, self_contact=True, radius_self=RADIUS, radius_body=RADIUS)
+    still.search(x, stray + np.linalg.norm(drift, axis=1))
+    assert len(search.cloth[0]) < len(still.cloth[0]) and len(search.cloth[1]) < len(still.cloth[1])
+    shifted = body_faces + len(x)
+    vertex_faces = all_vertex_faces(vertices(len(x)), faces)
+    against = np.concatenate(
+        [all_vertex_faces(vertices(len(x)), shifted), all_vertex_faces(vertices(len(x) + len(body)), faces)]
+    )
+    against = against[(against < len(x)).any(axis=1) & (against >= len(x)).any(axis=1)]
+    edge_edges = all_edge_edges(edges_of(faces))
+    welded = np.arange(len(x) + len(body), dtype=np.int32)
+    radius = np.full(len(x) + len(body), 0.5 * RADIUS)
+    for share in (0.0, 0.3, 0.7, 1.0):
+        way = generator.normal(size=x.shape)
+        way *= (0.5 * stray / np.linalg.norm(way, axis=1))[:, None]
+        then = x + share * drift + way
+        assert search.covers(then)
+        p = np.concatenate([then, body])
+        assert brute_force(p, vertex_faces, 0, radius, welded) <= listed(search.cloth[0], 0)
+        assert brute_force(p, edge_edges, 1, radius, welded) <= listed(search.cloth[1], 1)
+        assert brute_force(p, against, 0, radius, welded) <= listed(search.body[0], 0)
+    assert not search.covers(x + 1.5 * drift)
+    assert not search.covers(x - 0.5 * drift)
+
+
+@pytest.mark.parametrize("seed", range(6))
 def test_the_list_covers_the_allowed_motion(seed: int) -> None:
     """After any motion that is covered, every pair within the contact radius or reach is still listed."""
     x, faces, body, body_faces = scene(seed)

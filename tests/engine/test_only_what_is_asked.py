@@ -9,7 +9,7 @@ import pytest
 
 from tests.engine.meshes import mesh
 from toile.collide.search import ContactSearch
-from toile.engine import drape_state, step
+from toile.engine import cloth_run, step
 from toile.engine.cloth import Cloth
 from toile.engine.drape import Drape
 from toile.engine.drape_plan import DrapePlan, Frame
@@ -64,17 +64,18 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
         "safe_factors",
         "Stitches",
         "SewingHolds",
+        "Wind",
         "Untangling",
     ):
         monkeypatch.setattr(step, name, forbidden(name))
-    monkeypatch.setattr(drape_state, "AvatarSurface", forbidden("AvatarSurface"))
+    monkeypatch.setattr(cloth_run, "AvatarSurface", forbidden("AvatarSurface"))
 
 
 @pytest.mark.usefixtures("bare")
 def test_free_cloth_falls_without_search_stitches_holds_or_bending(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bending, "for_cloth", forbidden("Bending"))
     stepper = ClothStepper(sheet(SLACK), None, options(), StageClock())
-    for name in ("search", "stitches", "holds", "untangling", "bending", "pinned"):
+    for name in ("search", "stitches", "holds", "untangling", "wind", "bending", "pinned"):
         assert getattr(stepper, name) is None
     before = stepper.x.copy()
     h = 0.01

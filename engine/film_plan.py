@@ -1,0 +1,98 @@
+"""Words and numbers of a film: its plan, its frames, the record of what happened."""
+
+from dataclasses import dataclass, field
+
+from toile.collide.audit import Crossings
+from toile.engine.cloth import Cloth
+from toile.engine.step_request import StepOptions
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmPlan:
+    """Numbers of the frame loop of cloth in motion.
+
+    Attributes
+    ----------
+    step
+        Implicit step options.
+    frame_seconds
+        Time between two audited output frames [s].
+    longest_step, shortest_step
+        Limits of the step size [s].
+    stretch_rise
+        A step that raises the largest stretch of the cloth by more than this is tried again, halved.
+    motion_max
+        Longest motion of a node in one step at its present speed [m]: faster cloth takes shorter steps.
+    newton
+        Newton iterations per step at most; 1 is the linearly implicit step, which brakes turning cloth: a
+        swinging strip loses most of its energy in a second, with 4 only what backward Euler takes.
+    newton_tolerance
+        Motion [m] below which the iterations of a step have converged.
+    cg_tolerance
+        Relative residual of the linear solver.
+    """
+
+    step: StepOptions
+    frame_seconds: float = 1.0 / 30.0
+    longest_step: float = 1.0 / 120.0
+    shortest_step: float = 1.0 / 1920.0
+    stretch_rise: float = 0.02
+    motion_max: float = 0.02
+    newton: int = 1
+    newton_tolerance: float = 1e-5
+    cg_tolerance: float = 1e-2
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmFrame:
+    """One audited output frame.
+
+    Attributes
+    ----------
+    index, seconds
+        Number of the frame, 0 at the start, and its time [s].
+    cloth
+        The cloth, with its velocities.
+    crossings
+        What crosses.
+    steps
+        Steps taken since the last frame.
+    contacts
+        Contacts in the last step.
+    min_gap
+        Smallest gap of a contact since the last frame [m]; infinite if there was none.
+    stretch_max
+        Largest stretch along warp or weft.
+    """
+
+    index: int
+    seconds: float
+    cloth: Cloth
+    crossings: Crossings
+    steps: int
+    contacts: int
+    min_gap: float
+    stretch_max: float
+
+
+@dataclass
+class FilmRecord:
+    """What a film did.
+
+    `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
+    were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
+    faces, steps since the last frame, largest stretch, smallest gap [m].
+    """
+
+    steps: int = 0
+    retries: int = 0
+    forced: int = 0
+    newton_iterations: int = 0
+    cg_iterations: int = 0
+    simulated_seconds: float = 0.0
+    cancelled: bool = False
+    crossings: list[tuple[int, int]] = field(default_factory=list)
+    faces: list[int] = field(default_factory=list)
+    steps_per_frame: list[int] = field(default_factory=list)
+    stretch_max: list[float] = field(default_factory=list)
+    min_gap: list[float] = field(default_factory=list)

@@ -1,0 +1,68 @@
+"""Wind: air presses on moving cloth along its normal, in proportion to the relative speed.
+
+Force per area k_w (n . (u_w - v)) n, with n the normal of the face, u_w the velocity of the air and v that of
+the cloth; a third of a face's area counts at each of its nodes, with the node's own velocity. Still air is
+drag. Normals and areas are those at the start of the step, so the force derives from the dissipation
+potential h k_w/2 sum of areas (n . (u_w - v))^2, quadratic in the positions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toile.geometry.arrays import Float, Int
+
+
+@dataclass(frozen=True, kw_only=True)
+class AirFlow:
+    """Air around the cloth.
+
+    Attributes
+    ----------
+    velocity
+        Velocity of the air [m/s], x, y, z.
+    resistance
+        k_w [N s/m^3]: pressure per relative speed. Pressure drag rho c/2 u^2 of a plate has this secant at
+        speed u: k_w = rho c u / 2.
+    """
+
+    velocity: tuple[float, float, float]
+    resistance: float
+
+
+class Wind:
+    """Wind on one topology; `begin` sets the normals of a step.
+
+    Attributes
+    ----------
+    drag
+        Resistance of every node [N s/m], shape (n, 3, 3), symmetric positive semi-definite.
+    """
+
+    def __init__(self, faces: Int, node_count: int, air: AirFlow) -> None:
+        self.faces = faces
+        self.air = np.array(air.velocity)
+        self.resistance = air.resistance
+        self.drag = np.zeros((node_count, 3, 3))
+
+    def begin(self, x: Float) -> None:
+        """Take normals and areas at node positions x [m], shape (n, 3)."""
+        corner = x[self.faces[:, 0]]
+        normal = np.cross(x[self.faces[:, 1]] - corner, x[self.faces[:, 2]] - corner)
+        twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+        scale = self.resistance / (6.0 * twice_area)
+        nodes = self.faces.ravel()
+        for row in range(3):
+            for column in range(row, 3):
+                share = np.repeat(scale * normal[:, row] * normal[:, column], 3)
+                self.drag[:, row, column] = np.bincount(nodes, share, len(self.drag))
+                self.drag[:, column, row] = self.drag[:, row, column]
+
+    def energy(self, velocity: Float, h: float) -> float:
+        """Dissipation potential [J] of a step of size h [s] at node velocities [m/s], shape (n, 3)."""
+        slip = velocity - self.air
+        return 0.5 * h * float(np.einsum("ni,nij,nj->", slip, self.drag, slip))
+
+    def gradient(self, velocity: Float) -> Float:
+        """Gradient of the potential with respect to positions [N], shape (n, 3): minus the force."""
+        return np.asarray(np.einsum("nij,nj->ni", self.drag, velocity - self.air))

@@ -1,0 +1,170 @@
+"""Cloth in motion: free fall, free flight, a hanging strip, impact, and going on with another mesh."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.engine.meshes import right_grid
+from tests.engine.test_only_what_is_asked import GRAVITY, SLACK, forbidden, options, sheet
+from toile.engine.cloth import Cloth
+from toile.engine.film_plan import FilmFrame, FilmPlan
+from toile.engine.simulate import Simulation
+from toile.engine.step import ClothStepper
+from toile.geometry.arrays import Float
+
+WOVEN = replace(
+    SLACK, stretch_warp=3000.0, stretch_weft=3000.0, shear=100.0, bending_warp=5e-6, bending_weft=5e-6,
+    bending_bias=5e-6,
+)  # fmt: skip
+
+
+def level_sheet(length: float, width: float, edge: float, height: float) -> Cloth:
+    """A rectangle of woven cloth around the y axis, level at `height` [m]."""
+    flat, faces = right_grid(length, width, edge)
+    count = len(flat)
+    positions = np.column_stack((flat[:, 0] - 0.5 * length, np.full(count, height), 0.5 * width - flat[:, 1]))
+    return replace(
+        sheet(WOVEN), positions=positions, velocities=np.zeros((count, 3)),
+        node=np.arange(count, dtype=np.int32), faces=faces, rest_corners=np.ascontiguousarray(flat[faces]),
+        fabric=np.zeros(len(faces), np.int32), garment=np.zeros(len(faces), np.int32),
+        pinned=np.zeros(count, bool), rest_curved=np.zeros(len(faces), bool), start_positions=positions,
+    )  # fmt: skip
+
+
+def film(cloth: Cloth, seconds: float, plan: FilmPlan) -> tuple[Simulation, list[FilmFrame]]:
+    frames: list[FilmFrame] = []
+
+    def keep(frame: FilmFrame) -> bool:
+        frames.append(frame)
+        return True
+
+    run = Simulation(cloth, None, plan, keep)
+    run.run(seconds)
+    return run, frames
+
+
+def energy(stepper: ClothStepper, gravity: float) -> float:
+    """Kinetic, elastic and gravitational energy [J]."""
+    kinetic = 0.5 * float(stepper.mass @ np.einsum("ij,ij->i", stepper.v, stepper.v))
+    bent = 0.0 if stepper.bending is None else stepper.bending.energy(stepper.x)
+    height = float(stepper.mass @ stepper.x[:, 1])
+    return kinetic + stepper.membrane.energy(stepper.x) + bent + gravity * height
+
+
+@pytest.mark.parametrize("steps_per_second", [60, 120, 240])
+def test_free_fall_errs_by_half_a_step_of_speed(steps_per_second: int) -> None:
+    """Backward Euler: speeds are exact, the fall is g t (t + h) / 2."""
+    h, seconds = 1.0 / steps_per_second, 0.2
+    plan = FilmPlan(step=options(), longest_step=h, motion_max=inf, cg_tolerance=1e-10)
+    run, frames = film(level_sheet(0.3, 0.3, 0.1, 0.0), seconds, plan)
+    assert len(frames) == 7
+    assert run.record.steps == round(seconds / h)
+    assert run.stepper.x[:, 1] == pytest.approx(-0.5 * GRAVITY * seconds * (seconds + h), rel=1e-9)
+    assert run.stepper.v[:, 1] == pytest.approx(-GRAVITY * seconds, rel=1e-9)
+
+
+def test_momentum_is_kept_in_free_flight() -> None:
+    cloth = level_sheet(0.4, 0.4, 0.05, 0.0)
+    generator = np.random.default_rng(3)
+    velocities = np.array([1.0, 2.0, -1.0]) + 0.5 * generator.normal(size=cloth.positions.shape)
+    before = cloth.mass @ velocities
+    plan = FilmPlan(step=replace(options(), gravity=0.0), cg_tolerance=1e-9)
+    run, _ = film(replace(cloth, velocities=velocities), 0.2, plan)
+    assert cloth.mass @ run.stepper.v == pytest.approx(before, rel=1e-6)
+    assert run.record.cg_iterations > 0
+
+
+@pytest.mark.parametrize("newton", [1, 4])
+def test_a_hanging_strip_loses_energy_all_the_time(newton: int) -> None:
+    cloth = level_sheet(0.5, 0.1, 0.025, 0.0)
+    cloth = replace(cloth, pinned=cloth.positions[:, 0] < -0.25 + 1e-9)
+    plan = FilmPlan(step=options(), newton=newton, newton_tolerance=1e-3, cg_tolerance=1e-6)
+    levels: list[float] = []
+
+    def weigh(_: FilmFrame) -> bool:
+        levels.append(energy(run.stepper, GRAVITY))
+        return True
+
+    run = Simulation(cloth, None, plan, weigh)
+    record = run.run(1.0)
+    assert np.diff(levels).max() < 1e-9
+    assert levels[-1] < levels[0] - 0.2 * GRAVITY * cloth.mass.sum() * 0.25
+    assert np.array_equal(run.stepper.x[cloth.pinned], cloth.positions[cloth.pinned])
+    assert max(record.stretch_max) < 0.1
+
+
+def test_a_sheet_falls_on_a_sphere_without_crossings() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
+    avatar = (np.ascontiguousarray(ball.vertices, np.float64), np.ascontiguousarray(ball.faces, np.int32))
+    cloth = level_sheet(0.6, 0.6, 0.04, 0.2)
+    gaps: list[float] = []
+
+    def watch(frame: FilmFrame) -> bool:
+        assert not len(frame.crossings.avatar) and not len(frame.crossings.cloth)
+        gaps.append(frame.min_gap)
+        return True
+
+    run = Simulation(cloth, avatar, FilmPlan(step=options(self_contact=True)), watch)
+    record = run.run(0.6)
+    assert record.crossings == [(0, 0)] * 19
+    assert record.faces == [len(cloth.faces)] * 19
+    assert 0.0 < min(gaps) < 0.002
+    assert record.forced == 0
+    assert np.linalg.norm(run.stepper.x, axis=1).min() > 0.149
+    # It has come to rest on top and hangs around the sphere.
+    assert 0.149 < run.stepper.x[:, 1].max() < 0.155
+    assert run.stepper.x[:, 1].min() < -0.05
+
+
+def test_a_step_that_stretches_too_much_is_undone_and_shortened() -> None:
+    cloth = level_sheet(0.4, 0.4, 0.1, 0.0)
+    velocities = np.zeros_like(cloth.positions)
+    velocities[:, 0] = 40.0 * np.sign(cloth.positions[:, 0])
+    plan = FilmPlan(step=options(), stretch_rise=0.02)
+    run, _ = film(replace(cloth, velocities=velocities), 1.0 / 30.0, plan)
+    assert run.record.retries > 0
+    assert run.record.steps > 4
+
+
+def test_the_film_goes_on_with_another_mesh() -> None:
+    """A hook renumbers the nodes once: the film is the same as without it."""
+    cloth = level_sheet(0.3, 0.3, 0.05, 0.0)
+    cloth = replace(cloth, pinned=cloth.positions[:, 0] < -0.15 + 1e-9)
+    order = np.arange(len(cloth.positions))[::-1]
+    plan = FilmPlan(step=options(self_contact=True), cg_tolerance=1e-10)
+    anchored: list[Float] = []
+
+    def renumber(run: Simulation) -> tuple[Cloth, Float | None] | None:
+        if run.record.steps == 0 or anchored:
+            return None
+        old = run.cloth
+        anchored.append(run.stepper.anchor[order].copy())
+        changed = replace(
+            old, positions=old.positions[order].copy(), velocities=old.velocities[order].copy(),
+            node=np.ascontiguousarray(order[old.node], np.int32), pinned=old.pinned[order].copy(),
+        )  # fmt: skip
+        return changed, anchored[0]
+
+    plain = Simulation(cloth, None, plan, lambda _: True)
+    plain.run(0.2)
+    other = Simulation(cloth, None, plan, lambda _: True, renumber)
+    other.run(0.2)
+    assert len(anchored) == 1
+    assert other.stepper.x[order] == pytest.approx(plain.stepper.x, abs=1e-7)
+    assert "remesh" in other.clock.seconds and "remesh" not in plain.clock.seconds
+
+
+def test_on_frame_ends_the_film() -> None:
+    run = Simulation(level_sheet(0.2, 0.2, 0.1, 0.0), None, FilmPlan(step=options()), lambda f: f.index < 2)
+    record = run.run(1.0)
+    assert record.cancelled and len(record.crossings) == 3
+    assert record.min_gap == [inf] * 3
+
+
+@pytest.mark.parametrize("name", ["ContactSearch", "evaluate_contacts", "safe_factors", "Wind"])
+def test_free_flight_needs_no_search_and_no_wind(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"toile.engine.step.{name}", forbidden(name))
+    film(level_sheet(0.2, 0.2, 0.1, 0.0), 0.1, FilmPlan(step=options()))
