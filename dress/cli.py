@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from toile.dress.progress import ProgressState
     from toile.dress.scene import Scene
 
-DONE, BAD_INPUT, FAILED, CANCELLED = 0, 2, 3, 130
+DONE, MISSED, BAD_INPUT, FAILED, CANCELLED = 0, 1, 2, 3, 130
 """Exit codes."""
 EXIT_CODES = {"converged": DONE, "frame_limit": DONE, "failed": FAILED, "cancelled": CANCELLED}
 EXAMPLES = """\
@@ -91,6 +91,13 @@ def _parser() -> argparse.ArgumentParser:
     patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
     patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft them to")
     patterns.set_defaults(run=_run_patterns)
+
+    bench = commands.add_parser("bench", help="measure speed against error on reference scenes")
+    bench.add_argument("study", choices=("remesh",), help="remesh: adaptive against uniform meshes")
+    bench.add_argument("--scene", action="append", metavar="NAME", help="only this scene; repeat for more")
+    bench.add_argument("--seconds", type=float, metavar="S", help="length of the films, instead of their own")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
+    bench.set_defaults(run=_run_bench)
     return parser
 
 
@@ -281,6 +288,27 @@ def _run_patterns(options: argparse.Namespace) -> int:
         write_garmentcode(built_in(name, form.measurements), path)
         print(f"wrote {path}")
     return DONE
+
+
+def _run_bench(options: argparse.Namespace) -> int:
+    """Run a study; the exit code tells whether all its bars were met."""
+    import json
+    from dataclasses import asdict
+
+    from toile.dress.benchmarks.remesh import FINEST, bench_scene, table
+    from toile.dress.suggestion import unknown_name
+
+    for name in options.scene or ():
+        if name not in FINEST:
+            raise InputError(unknown_name("scene", name, FINEST))
+    rows = []
+    for name in options.scene or FINEST:
+        print(f"{name} ...", file=sys.stderr, flush=True)
+        rows.append(bench_scene(name, options.seconds))
+    print(table(rows))
+    if options.json is not None:
+        options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+    return MISSED if any(row.missed() for row in rows) else DONE
 
 
 def _print_version() -> int:

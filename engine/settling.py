@@ -9,8 +9,10 @@ from toile.engine.step_request import StepRequest
 from toile.engine.tangles import relax_tangles
 from toile.geometry.arrays import Float
 
-LONG = 0.2
+LONG = 0.5
 """Steps that are long enough for equilibrium, on average over a frame, as a share of the longest."""
+CALMER, LEAST_SHARE = 0.8, 0.25
+"""Factor on the share of a displacement that is carried out when steps undo each other, and its least."""
 UNDOING = 0.2
 """Correlation with the last step from which a step is said to undo it."""
 
@@ -43,7 +45,7 @@ def settle(drape: DrapeState) -> None:
     h = plan.settling_step
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
-    span = 0.0
+    span, share = 0.0, 1.0
     while not drape.stopped():
         if merge_late(drape):
             drape.phase = "sewing"
@@ -54,13 +56,15 @@ def settle(drape: DrapeState) -> None:
         outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
+                move_share=share,
             )
         )  # fmt: skip
         peak = float(np.quantile(outcome.moved, 0.999))
-        span += h
+        span += share * h
         undone = _undoes(drape.stepper.x - here, last)
         last, here = drape.stepper.x - here, drape.stepper.x.copy()
-        if peak > 0.025 or undone:
+        share = max(CALMER * share, LEAST_SHARE) if undone else min(share / CALMER, 1.0)
+        if peak > 0.025:
             h = max(h / 1.5, plan.settling_step)
         elif peak < 0.01:
             h = min(h * 1.2, plan.longest_step)
@@ -69,10 +73,10 @@ def settle(drape: DrapeState) -> None:
             before = drape.stepper.x.copy()
             record.rms_motion = float(np.sqrt(np.mean(motion**2)))
             record.peak_motion = float(np.quantile(motion, 0.999))
-            # Short steps move less: what they may move is less in proportion.
-            share = min(1.0, span / (plan.steps_per_frame * LONG * plan.longest_step))
+            # Short and shared steps move less: what they may move is less in proportion.
+            full = min(1.0, span / (plan.steps_per_frame * LONG * plan.longest_step))
             record.converged = (
-                record.rms_motion < share * plan.rms_motion and record.peak_motion < share * plan.peak_motion
+                record.rms_motion < full * plan.rms_motion and record.peak_motion < full * plan.peak_motion
             )
             span = 0.0
             if drape.needs_remeshing(record.converged) and drape.remesh():

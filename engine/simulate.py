@@ -15,15 +15,16 @@ from toile.geometry.arrays import Float, Int
 GROWTH = 1.2
 """Factor on the step size after a step that went well."""
 
-BetweenFrames = Callable[["Simulation"], tuple[Cloth, Float | None] | None]
-"""Gives the cloth and friction anchors [m], shape (n, 3) or None, to go on with; None changes nothing."""
+BetweenFrames = Callable[["Simulation"], None]
+"""May let the film go on with another mesh, through its `restart`."""
 
 
 class Simulation(ClothRun):
     """A film in progress: call `run`.
 
     The avatar is given as (vertices, faces) and does not move. `on_frame` is called with every audited frame
-    and ends the film by returning False. `between_frames` is called after it and may go on with another mesh.
+    and ends the film by returning False. `between_frames` is called before every frame's steps and
+    may `restart` the film with another mesh.
     """
 
     def __init__(
@@ -53,14 +54,12 @@ class Simulation(ClothRun):
         return self.record
 
     def _change_mesh(self) -> None:
-        """Go on with another mesh where between_frames gives one."""
+        """Let between_frames change the mesh."""
         if self.between_frames is None:
             return
         now = self.clock.now()
-        changed = self.between_frames(self)
+        self.between_frames(self)
         self.clock.add("remesh", now)
-        if changed is not None:
-            self.restart(*changed)
 
     def _advance(self, seconds: float) -> None:
         """Step until `seconds` have passed, in steps as equal as the adaptive size allows."""

@@ -231,7 +231,7 @@ class ClothStepper:
             outcome.newton_iterations += 1
             outcome.cg_iterations += result.iterations
             if request.at_rest:
-                move, limited = self._safe(result.solution, request.motion_max)
+                move, limited = self._safe(request.move_share * result.solution, request.motion_max)
             else:
                 move, limited = self._safe_in_motion(result.solution)
             outcome.limited = limited

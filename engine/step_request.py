@@ -73,6 +73,8 @@ class StepRequest:
         Whether friction acts.
     newton
         Newton iterations at most.
+    move_share
+        Share of every Newton displacement that is carried out: less than 1 calms steps that undo each other.
     newton_tolerance
         Stop iterating when no node moved farther than this [m].
     cg_tolerance, cg_iterations
@@ -92,6 +94,7 @@ class StepRequest:
     bending_factor: float = 1.0
     friction: bool = True
     newton: int = 1
+    move_share: float = 1.0
     newton_tolerance: float = 1e-5
     cg_tolerance: float = 1e-2
     cg_iterations: int = 300
