@@ -11,7 +11,13 @@ from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
 from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.garment_source import DressForm, check_source, default_name, load_garment, pinned_vertices
-from toile.dress.kernels import DRAPE_KERNELS, PANEL_KERNELS, PICTURE_KERNELS, load_kernels
+from toile.dress.kernels import (
+    DRAPE_KERNELS,
+    PANEL_KERNELS,
+    PICTURE_KERNELS,
+    REMESH_KERNELS,
+    load_kernels,
+)
 from toile.dress.progress import Progress, ProgressState, TimeLeft
 from toile.dress.quality import quality_preset
 from toile.dress.report import drape_report
@@ -150,6 +156,8 @@ def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:
     modules: tuple[str, ...] = DRAPE_KERNELS
     if any(not isinstance(garment.source, GarmentMesh) for garment in scene.garments):
         modules += PANEL_KERNELS
+    if scene.remesh:
+        modules += REMESH_KERNELS
     if draws:
         modules += PICTURE_KERNELS
     load_kernels(modules)

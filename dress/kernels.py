@@ -31,6 +31,11 @@ PANEL_KERNELS = (
     "toile.remesh.delaunay_flip",
     "toile.remesh.frontal_insert",
 )
+REMESH_KERNELS = (
+    "toile.collide.patch_clearance",
+    "toile.remesh.choose_merges",
+    "toile.remesh.disjoint_pairs",
+)
 PICTURE_KERNELS = ("toile.dress.rasterizer", "toile.dress.shading")
 """Modules that hold kernels, those that others import before those."""
 

@@ -7,7 +7,6 @@ import numpy as np
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase, Remeshing
-from toile.engine.remeshing import remeshed
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -72,6 +71,9 @@ class DrapeState(ClothRun):
         """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed."""
         if self.plan.sizing is None:
             return False
+        # Its kernels are compiled for scenes that ask for it only.
+        from toile.engine.remeshing import remeshed
+
         started = self.clock.now()
         stepper = self.stepper
         found = remeshed(self.cloth, stepper, self.plan.sizing)
