@@ -61,6 +61,9 @@ class DrapePlan:
         Frames of steps at most in which stitches that are still open when the garment hangs are closed.
     growth_lag
         How far a vertex of the growing avatar may lag before the rest waits [m].
+    growth_patience
+        Steps for which cloth may hold the avatar back before the rest grows on, and then before what is left
+        takes its true shape.
     easing_steps
         Steps without gravity and friction before the garment settles.
     waist_stiffness
@@ -98,6 +101,7 @@ class DrapePlan:
     easing_steps: int = 20
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002
+    growth_patience: int = 40
     rms_motion: float = 3e-4
     peak_motion: float = 3e-3
     cg_tolerance: float = 1e-2

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from toile.engine.avatar_growth import grow_avatar, put_avatar
 from toile.engine.drape_state import DrapeState
 from toile.engine.merging import merge_late
+from toile.engine.passable import let_pass_crossings
 from toile.engine.step_request import StepRequest
 from toile.engine.tangles import disentangle
 from toile.geometry.arrays import Float
@@ -13,7 +15,8 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     """Let the avatar take on its true shape while the cloth gives way.
 
     It grows evenly: where cloth holds it back the rest waits, or its free parts would form a ledge
-    around the cloth.
+    around the cloth. Cloth that holds it back for long is caught, between toes, say: then the rest grows on, at
+    last what is left takes its true shape, and cloth that it cuts passes through and is drawn out.
     """
     plan = drape.plan
     assert drape.surface is not None
@@ -21,12 +24,22 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     longest = max(float(np.linalg.norm(target - start, axis=1).max()), 1e-12)
     share = 0.0
     left = 0.0
+    waited = finishing = 0
     while not drape.stopped():
         merge_late(drape)
-        if left < plan.growth_lag:
+        if left < plan.growth_lag or waited > plan.growth_patience:
             share = min(1.0, share + per_step / longest)
+        else:
+            waited += 1
+        if share == 1.0:
+            finishing += 1
+        if finishing > plan.growth_patience:
+            put_avatar(drape.stepper, target)
+            drape.auditor = None
+            let_pass_crossings(drape, drape.audit())
+            break
         shape = target if share == 1.0 else start + share * (target - start)
-        left = drape.stepper.grow_avatar(shape, 2.0 * per_step)
+        left = grow_avatar(drape.stepper, shape, 2.0 * per_step)
         drape.auditor = None
         drape.take(
             StepRequest(
@@ -39,4 +52,4 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
             break
         if drape.record.steps % plan.steps_per_frame == 0:
             disentangle(drape)
-    drape.stepper.grow_avatar(target, 0.0)
+    grow_avatar(drape.stepper, target, 0.0)

@@ -334,35 +334,6 @@ class ClothStepper:
             self.search.radius_body = radius
             self.search.expire()
 
-    def grow_avatar(self, target: Float, longest: float) -> float:
-        """Move avatar vertices toward `target`, shape (v, 3), by at most `longest` [m] and as far as is safe.
-
-        The contact radius against the avatar is growth_radius while it grows and radius_body once it has
-        arrived. Returns the largest distance left [m].
-        """
-        if self.avatar is None or self.search is None:
-            return 0.0
-        wanted = target - self.avatar.vertices
-        length = np.linalg.norm(wanted, axis=1)
-        if length.max() == 0.0:
-            self.set_body_radius(self.options.radius_body)
-            return 0.0
-        self.set_body_radius(self.options.growth_radius)
-        share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
-        self.avatar.motion = length * share
-        self.search.search(self.x, np.zeros(len(self.x)), body_only=True)
-        move = np.zeros_like(self.search.positions)
-        move[len(self.x) :] = wanted * share[:, None]
-        factor = safe_factors(self.search.positions, move, *self.search.body)[len(self.x) :]
-        done = share * factor
-        # Full moves land on the target itself, so that the avatar ends exactly in its true shape.
-        moved = np.where(done[:, None] == 1.0, target, self.avatar.vertices + wanted * done[:, None])
-        self.avatar.move_to(np.ascontiguousarray(moved))
-        self.avatar.motion = np.zeros(len(moved))
-        self.anchor[len(self.x) :] = moved
-        self.search.expire()
-        return float(np.linalg.norm(target - moved, axis=1).max())
-
     def safe_move(self, wanted: Float) -> Float:
         """Move nodes by `wanted` [m] as far as is safe; return the share each node moved, shape (n,)."""
         length = np.linalg.norm(wanted, axis=1)
