@@ -15,8 +15,8 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     """Let the avatar take on its true shape while the cloth gives way.
 
     It grows evenly: where cloth holds it back the rest waits, or its free parts would form a ledge
-    around the cloth. Cloth that holds it back for long is caught, between toes, say: then the rest grows on, at
-    last what is left takes its true shape, and cloth that it cuts passes through and is drawn out.
+    around the cloth. Cloth that holds it back for long is caught, between toes, say: then the rest grows on,
+    at last what is left takes its true shape, and cloth that it cuts passes through and is drawn out.
     """
     plan = drape.plan
     assert drape.surface is not None
