@@ -4,7 +4,7 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
-from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import BOOL_1, BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
@@ -55,18 +55,6 @@ def _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):  # type: ignore[no-unty
 
 
 @helper
-def _separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
-    """How far the first primitive is ahead of the second along n."""
-    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
-    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
-    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
-    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
-    if kind == 0:
-        return hi - max(hj, hk, hm)
-    return min(hi, hj) - max(hk, hm)
-
-
-@helper
 def _is_candidate(p, ends, weld, ghost, kind, i, j, k, m, reaches):  # type: ignore[no-untyped-def]
     """Whether the pair shares no sewn vertex, is not all ghost, and comes closer than its reaches together.
 
@@ -98,7 +86,7 @@ def _is_candidate(p, ends, weld, ghost, kind, i, j, k, m, reaches):  # type: ign
     d = length(x, y, z)
     if d < reach or not moving:
         return d < reach
-    return _separation(ends, kind, i, j, k, m, x / d, y / d, z / d) < reach
+    return separation(ends, kind, i, j, k, m, x / d, y / d, z / d) < reach
 
 
 @kernel(

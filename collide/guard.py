@@ -14,7 +14,7 @@ Related: displacement bounds of offset geometric contact (Chen et al. 2025), whi
 import numpy as np
 from numba import types
 
-from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, helper, kernel
 
@@ -66,18 +66,6 @@ def _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, distance, plane, row):  # 
     plane[row, 9] = keep
 
 
-@helper
-def _separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
-    """Separation of a pair along n: positive if a plane with normal n lies between its two sides."""
-    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
-    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
-    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
-    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
-    if kind == 0:
-        return hi - max(hj, hk, hm)
-    return min(hi, hj) - max(hk, hm)
-
-
 @kernel(types.int64(F64_2, F64_2, F64_1, I32_2, types.int64, OUT_I32_1, OUT_F64_2))
 def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-def]
     """Collect the pairs that the motion could bring together, each with a separating plane.
@@ -120,7 +108,7 @@ def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-unty
                 nx /= size
                 ny /= size
                 nz /= size
-                if _separation(p, kind, i, j, k, m, nx, ny, nz) > 2.0 * KEPT_SHARE * d:
+                if separation(p, kind, i, j, k, m, nx, ny, nz) > 2.0 * KEPT_SHARE * d:
                     _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, d, plane, count)
         count += 1
     return count

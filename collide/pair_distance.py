@@ -49,3 +49,15 @@ def pair_weights(p, kind, i, j, k, m):  # type: ignore[no-untyped-def]
 def length(x, y, z):  # type: ignore[no-untyped-def]
     """Euclidean length."""
     return sqrt(x * x + y * y + z * z)
+
+
+@helper
+def separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Separation of a pair along n: positive if a plane with normal n lies between its two sides."""
+    hi = nx * p[i, 0] + ny * p[i, 1] + nz * p[i, 2]
+    hj = nx * p[j, 0] + ny * p[j, 1] + nz * p[j, 2]
+    hk = nx * p[k, 0] + ny * p[k, 1] + nz * p[k, 2]
+    hm = nx * p[m, 0] + ny * p[m, 1] + nz * p[m, 2]
+    if kind == 0:
+        return hi - max(hj, hk, hm)
+    return min(hi, hj) - max(hk, hm)
