@@ -1,10 +1,12 @@
 """Dress every pattern and every single-layer garment of a data folder on its body, and store the table.
 
 python bench/dress_all.py DATA OUT [--quality preview] [--only NAME ...] [--timeout 900] [--resume]
+    [--part 1/2]
 
 DATA holds patterns/, garments/ and bodies/ with their index.json. One process per garment, one after the
 other; OUT gets one folder per garment (picture, meshes, report) and table.json, table.md. With --resume,
-garments that have a report in OUT already are not dressed again.
+garments that have a report in OUT already are not dressed again. With --part k/n, only every n-th garment is
+dressed, from the k-th on: n processes share the work, and a last run with --resume writes the whole table.
 """
 
 import argparse
@@ -121,10 +123,12 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--timeout", type=float, default=900.0)
     parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--part", default="1/1")
     options = parser.parse_args()
+    first, parts = (int(number) for number in options.part.split("/"))
     options.out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for name, garment, body in jobs(options.data):
+    for name, garment, body in jobs(options.data)[first - 1 :: parts]:
         if options.only and not any(part in name for part in options.only):
             continue
         row = dress(

@@ -15,6 +15,7 @@ DRAPE_KERNELS = (
     "toile.engine.preconditioner.block_jacobi",
     "toile.engine.preconditioner.gauss_seidel",
     "toile.collide.guard",
+    "toile.collide.carry",
     "toile.engine.forces.contact",
     "toile.engine.preconditioner.aggregates",
     "toile.engine.preconditioner.band_cholesky",

@@ -24,7 +24,9 @@ ROUNDS = 6
 LIFT_STEP = 0.01
 HIGHEST_LIFT = 0.25
 LIFT_CLEARANCE = 0.015
-HEADROOM = 0.05
+HEADROOM = 0.02
+SHOULDER_REACH = 0.25
+"""Seams that start deeper below the shoulders than this do not close over them [m]."""
 
 
 def clear_panels(
@@ -95,13 +97,20 @@ def clear_panels(
 
 
 def lift_over_shoulders(
-    mesh: GarmentMesh, avatar: tuple[Float, Int] | None
+    mesh: GarmentMesh, avatar: tuple[Float, Int] | None, shoulder: float = -np.inf
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Lift a garment by the least height at which the fewest stitches run through the avatar; say how far."""
-    if avatar is None or not mesh.flat or not len(mesh.stitches):
+    """Lift a garment by the least height at which the fewest stitches run through the avatar; say how far.
+
+    Stitches more than SHOULDER_REACH below the height of the shoulders [m] do not count.
+    """
+    if avatar is None or not mesh.flat:
         return mesh, ()
     test = SegmentTest(avatar)
     start, end = mesh.positions[mesh.stitches[:, 0]], mesh.positions[mesh.stitches[:, 1]]
+    high = np.minimum(start[:, 1], end[:, 1]) > shoulder - SHOULDER_REACH
+    start, end = start[high], end[high]
+    if not len(start):
+        return mesh, ()
 
     def blocked(lift: float) -> int:
         """Stitches that run through the body at this lift, or less than HEADROOM above it."""

@@ -94,7 +94,7 @@ class DrapePlan:
     closed_gap: float = 1e-3
     merge_gap: float = 6e-3
     patience: int = 12
-    jam_radius: float = 0.03
+    jam_radius: float = 0.015
     untangle_stiffness: float = 50.0
     tangle_frames: int = 15
     late_frames: int = 4

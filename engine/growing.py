@@ -10,13 +10,17 @@ from toile.engine.step_request import StepRequest
 from toile.engine.tangles import disentangle
 from toile.geometry.arrays import Float
 
+LEFT_BEHIND = 0.002
+"""Share of the avatar's vertices that may be put in their places although cloth is there."""
+
 
 def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     """Let the avatar take on its true shape while the cloth gives way.
 
     It grows evenly: where cloth holds it back the rest waits, or its free parts would form a ledge
-    around the cloth. Cloth that holds it back for long is caught, between toes, say: then the rest grows on,
-    at last what is left takes its true shape, and cloth that it cuts passes through and is drawn out.
+    around the cloth; tight cloth is carried along. Cloth that holds it back for long is caught, between toes,
+    say: then the rest grows on, at last the few vertices that are left take their places, and cloth that they
+    cut passes through and is drawn out.
     """
     plan = drape.plan
     assert drape.surface is not None
@@ -27,19 +31,20 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     waited = finishing = 0
     while not drape.stopped():
         merge_late(drape)
+        waiting = left >= plan.growth_lag or share == 1.0
         if left < plan.growth_lag or waited > plan.growth_patience:
             share = min(1.0, share + per_step / longest)
         else:
             waited += 1
         if share == 1.0:
             finishing += 1
-        if finishing > plan.growth_patience:
+        if finishing > plan.growth_patience and _few_left(drape, target):
             put_avatar(drape.stepper, target)
             drape.auditor = None
             let_pass_crossings(drape, drape.audit())
             break
         shape = target if share == 1.0 else start + share * (target - start)
-        left = grow_avatar(drape.stepper, shape, 2.0 * per_step)
+        left = grow_avatar(drape.stepper, shape, 2.0 * per_step, carry=waiting)
         drape.auditor = None
         drape.take(
             StepRequest(
@@ -53,3 +58,10 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
         if drape.record.steps % plan.steps_per_frame == 0:
             disentangle(drape)
     grow_avatar(drape.stepper, target, 0.0)
+
+
+def _few_left(drape: DrapeState, target: Float) -> bool:
+    """Whether only a few vertices are still away from their places."""
+    assert drape.surface is not None
+    left = np.abs(target - drape.surface.vertices).max(axis=1) > 0.0
+    return bool(left.mean() < LEFT_BEHIND)

@@ -20,8 +20,10 @@ def around(drape: DrapeState, nodes: Int, widening: float = 1.0) -> Bool:
     return np.asarray(marked[drape.cloth.node])
 
 
-def let_pass_crossings(drape: DrapeState, found: Crossings, widening: float = 1.0) -> None:
-    """Let cloth pass through what it crosses, and nothing else."""
+def let_pass_crossings(
+    drape: DrapeState, found: Crossings, widening: float = 1.0, closing: Int | None = None
+) -> None:
+    """Let cloth pass through what it crosses, and around `closing` nodes of open stitches; nothing else."""
     crossed = [found.avatar[:, 0]] + ([found.cloth.ravel()] if drape.plan.step.self_contact else [])
     crossing = drape.stepper.faces[np.concatenate(crossed)].ravel()
     body: Bool | None = None
@@ -30,4 +32,7 @@ def let_pass_crossings(drape: DrapeState, found: Crossings, widening: float = 1.
         body[drape.surface.faces[found.avatar[:, 1]].ravel()] = True
         for _ in range(BODY_RINGS):
             body[drape.surface.faces[body[drape.surface.faces].any(axis=1)].ravel()] = True
-    drape.let_pass(around(drape, crossing, widening), body)
+    passing = around(drape, crossing, widening)
+    if closing is not None:
+        passing |= around(drape, closing)
+    drape.let_pass(passing, body)

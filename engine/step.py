@@ -34,11 +34,19 @@ LEAST_ALLOWANCE = 1e-3
 STEPS_AHEAD = 3.0
 DRIFT_ALLOWANCE = 5e-3
 """In motion candidates cover STEPS_AHEAD steps and, beside them, DRIFT_ALLOWANCE [m]."""
+OVERSIZE = 4.0
+"""Candidates for more than this many times the motion at hand are too many, and searched anew."""
 LANDING = 20.0
 """Stiffness of contacts ahead, over that of inertia: lands within a twentieth of what it stops.
 
 At full stiffness pairs that would only touch later hold cloth and obstacle together as if glued.
 """
+LOCAL_HALVINGS, HALVINGS = 6, 6
+"""How often a step to equilibrium is shortened when it stretches the cloth more than forces pull it."""
+TOLERATED = 0.2
+"""Share of the membrane energy that a step may add without work."""
+GREEDY = 0.01
+"""Share of that energy from which a face holds back its nodes."""
 FEW = 0.02
 """Share of nodes that may be held back for want of candidates rather than search anew."""
 
@@ -120,8 +128,9 @@ class ClothStepper:
         if self.search is None:
             return None
         if ahead is None:
-            if not (self.search.allowance(self.x) > 0.0).all():
-                self.search.search(self.x, MOTION_AHEAD * self._motion + LEAST_ALLOWANCE)
+            allowance, motion = self.search.allowance(self.x), MOTION_AHEAD * self._motion + LEAST_ALLOWANCE
+            if not (allowance > 0.0).all() or allowance.max() > OVERSIZE * motion.max():
+                self.search.search(self.x, motion)
             moving = NO_MOTION
         else:
             # Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
@@ -232,6 +241,8 @@ class ClothStepper:
             outcome.cg_iterations += result.iterations
             if request.at_rest:
                 move, limited = self._safe(request.move_share * result.solution, request.motion_max)
+                move = self._backed_off(move, gradient)
+                self._motion = np.linalg.norm(move, axis=1)
             else:
                 move, limited = self._safe_in_motion(result.solution)
             outcome.limited = limited
@@ -279,6 +290,28 @@ class ClothStepper:
             np.concatenate([self.search.body[1], self.search.cloth[1]]),
         )[: len(self.x)]  # fmt: skip
         return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
+
+    def _backed_off(self, move: Float, gradient: Float) -> Float:
+        """Shorten a move while it takes more membrane energy than all forces [N] do work along it.
+
+        The guard cuts nodes one by one: what it leaves of a Newton step may stretch what was to be relaxed.
+        Nodes of faces that take most of the energy are held back first, at last the whole cloth.
+        """
+        before = self.membrane.element_energy.copy()
+        total = float(before.sum())
+        for attempt in range(LOCAL_HALVINGS + HALVINGS):
+            work = max(-float(np.sum(gradient * move)), 0.0)
+            taken = self.membrane.energy(self.x + move) - total
+            if taken <= work + TOLERATED * total:
+                break
+            if attempt >= LOCAL_HALVINGS:
+                move = 0.5 * move
+                continue
+            faces = self.membrane.element_energy - before > GREEDY * taken
+            factor = np.ones(len(move))
+            factor[self.faces[faces].ravel()] = 0.5
+            move, _ = self._safe(factor[:, None] * move, np.inf)
+        return move
 
     def _safe_in_motion(self, wanted: Float) -> tuple[Float, int]:
         """Shorten a displacement to what is safe; also count the nodes held back.

@@ -4,7 +4,7 @@ import numpy as np
 
 from toile.engine.drape_state import DrapeState
 from toile.engine.merging import merge_late
-from toile.engine.passable import around, let_pass_crossings
+from toile.engine.passable import let_pass_crossings
 from toile.engine.step_request import StepRequest
 
 
@@ -30,7 +30,7 @@ def relax_tangles(drape: DrapeState) -> None:
         if drape.stopped() or disentangle(drape, effort):
             return
         _draw_apart(drape, effort)
-        effort = min(2.0 * effort, 16.0)
+        effort = min(2.0 * effort, 4.0)
     disentangle(drape)
 
 
@@ -39,7 +39,7 @@ def close_late(drape: DrapeState) -> None:
     for _ in range(drape.plan.late_frames):
         if drape.stopped() or not len(drape.cloth.stitches):
             break
-        drape.let_pass(around(drape, drape.cloth.stitches.ravel()))
+        let_pass_crossings(drape, drape.audit(), closing=drape.cloth.stitches.ravel())
         _draw_apart(drape, 1.0)
     relax_tangles(drape)
 

@@ -16,6 +16,9 @@ from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import Topology, triangle_topology
 
+SHARPEST = 1.0
+"""Turn of a curved rest shape across a face, about, from which it is a crease [rad]."""
+
 
 def bending_tensor(warp: Float, weft: Float, bias: Float, poisson: float = 0.0) -> Float:
     """Return rigidity tensors [N m] on (x_uu, x_vv, x_uv), shape (t, 3, 3), symmetric positive definite.
@@ -40,6 +43,18 @@ def face_frames(x: Float, faces: Int) -> Float:
     first = first / np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     return np.stack((first, np.cross(normal, first), normal), axis=2)
+
+
+def _crease_share(rest: Float, corners: Float) -> Float:
+    """Share of its rigidity that each face keeps, shape (t,), for rest derivatives (t, 3, 3) [1/m].
+
+    A rest shape that turns by more than SHARPEST across a face is a crease the mesh does not resolve: its
+    derivatives say little, and the moments they ask for would tear at the faces around it.
+    """
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.sqrt(np.einsum("tci,tci->tc", sides, sides).max(axis=1))
+    turn = np.sqrt(np.einsum("tap,tap->t", rest, rest)) * longest
+    return np.asarray((SHARPEST / np.maximum(turn, SHARPEST)) ** 2)
 
 
 class Bending:
@@ -93,6 +108,14 @@ class Bending:
         self.faces = faces
         self.rigidity = rigidity * patches.areas[:, None, None]
         self.second_derivatives = patches.second_derivatives
+        self._rest: Float | None = None
+        if rest_positions is not None:
+            frames = face_frames(rest_positions, faces)
+            local = np.einsum("tai,tip->tap", self.second_derivatives_at(rest_positions), frames)
+            if rest_curved is not None:
+                local[~rest_curved] = 0.0
+            self._rest = local
+            self.rigidity = self.rigidity * _crease_share(local, rest_corners)[:, None, None]
         rows = np.arange(0, 9 * len(faces) + 1, 3, dtype=np.int32)
         columns = np.repeat(np.arange(3 * len(faces), dtype=np.int32).reshape(-1, 3), 3, axis=0).ravel()
         weight = sp.csr_array((self.rigidity.ravel(), columns, rows))
@@ -102,14 +125,6 @@ class Bending:
             (stiffness.data, stiffness.indices.astype(np.int32), stiffness.indptr.astype(np.int32)),
             shape=(node_count, node_count),
         )
-        self._rest: Float | None = None
-        if rest_positions is not None:
-            local = np.einsum(
-                "tai,tip->tap", self.second_derivatives_at(rest_positions), face_frames(rest_positions, faces)
-            )
-            if rest_curved is not None:
-                local[~rest_curved] = 0.0
-            self._rest = local
 
     @classmethod
     def for_cloth(cls, cloth: Cloth) -> "Bending":

@@ -9,6 +9,7 @@ from toile.dress.avatar import Avatar
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mannequin import mannequin
 from toile.dress.measure import measure
+from toile.geometry.arrays import Float
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +26,14 @@ def placed(half: float, height: float, name: str) -> GarmentMesh:
     )
 
 
-def test_wide_garment_without_sleeves_draws_the_arms_in(body: Avatar) -> None:
-    drawn = drawn_in_arms(body.vertices, body, [placed(0.6, 0.9, "skirt_front")])
+def sleeve(half: float, at: Float) -> GarmentMesh:
+    """A square sleeve panel around a place [m]."""
+    flat = panels(half, 0.3)
+    return replace(flat, positions=flat.positions + at, panel_names=("left_sleeve",))
+
+
+def test_wide_garment_draws_the_arms_in(body: Avatar) -> None:
+    drawn = drawn_in_arms(body.vertices, measure(body), [placed(0.6, 0.9, "skirt_front")])
     assert drawn is not None
     moved = np.linalg.norm(drawn - body.vertices, axis=1) > 1e-9
     found = measure(body)
@@ -41,13 +48,25 @@ def test_wide_garment_without_sleeves_draws_the_arms_in(body: Avatar) -> None:
     assert np.abs(drawn[:, 0]).max() < 0.75 * np.abs(body.vertices[:, 0]).max()
 
 
-def test_arms_stay_for_sleeves_narrow_panels_and_curved_garments(body: Avatar) -> None:
+def test_arms_stay_for_narrow_panels_long_sleeves_and_curved_garments(body: Avatar) -> None:
     wide = placed(0.6, 0.9, "skirt_front")
-    assert drawn_in_arms(body.vertices, body, [wide, placed(0.1, 1.2, "left_sleeve")]) is None
-    assert drawn_in_arms(body.vertices, body, [placed(0.1, 1.0, "front")]) is None
-    assert drawn_in_arms(body.vertices, body, [replace(wide, flat=False)]) is None
+    found = measure(body)
+    assert drawn_in_arms(body.vertices, found, [wide, sleeve(1.2, np.array([0.0, 1.2, 0.0]))]) is None
+    assert drawn_in_arms(body.vertices, found, [placed(0.1, 1.0, "front")]) is None
+    assert drawn_in_arms(body.vertices, found, [replace(wide, flat=False)]) is None
 
 
-def test_body_that_cannot_be_measured_keeps_its_arms(body: Avatar) -> None:
-    lying = replace(body, vertices=np.ascontiguousarray(body.vertices[:, [0, 2, 1]] * [1.0, 1.0, -1.0]))
-    assert drawn_in_arms(lying.vertices, lying, [placed(0.6, 0.9, "skirt_front")]) is None
+def test_short_sleeves_keep_the_part_of_the_arm_they_cover(body: Avatar) -> None:
+    found = measure(body)
+    shoulder = np.array(found.shoulder_point)
+    axis = np.array([np.cos(found.arm_angle), -np.sin(found.arm_angle), 0.0])
+    wide, short = placed(0.6, 0.9, "skirt_front"), sleeve(0.02, shoulder + 0.25 * axis)
+    bare = drawn_in_arms(body.vertices, found, [wide])
+    sleeved = drawn_in_arms(body.vertices, found, [wide, short])
+    assert bare is not None and sleeved is not None
+    near = ((body.vertices - shoulder) @ axis < 0.24) & (body.vertices[:, 0] > 0.0)
+    assert np.array_equal(sleeved[near], body.vertices[near])
+    assert not np.array_equal(bare[near], body.vertices[near])
+    # The other arm has no sleeve.
+    right = body.vertices[:, 0] < 0.0
+    assert np.array_equal(sleeved[right], bare[right])
