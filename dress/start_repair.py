@@ -25,8 +25,6 @@ LIFT_STEP = 0.01
 HIGHEST_LIFT = 0.25
 LIFT_CLEARANCE = 0.015
 HEADROOM = 0.02
-SHOULDER_REACH = 0.25
-"""Seams that start deeper below the shoulders than this do not close over them [m]."""
 
 
 def clear_panels(
@@ -97,33 +95,26 @@ def clear_panels(
 
 
 def lift_over_shoulders(
-    mesh: GarmentMesh, avatar: tuple[Float, Int] | None, shoulder: float = -np.inf
+    mesh: GarmentMesh, avatar: tuple[Float, Int] | None
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Lift a garment by the least height at which the fewest stitches run through the avatar; say how far.
+    """Lift a garment where that frees enough seam that runs through the avatar; say how far.
 
-    Stitches more than SHOULDER_REACH below the height of the shoulders [m] do not count.
+    Every stretch of seam that is freed is worth a lift of its own length, not more.
     """
-    if avatar is None or not mesh.flat:
+    if avatar is None or not mesh.flat or not len(mesh.stitches):
         return mesh, ()
     test = SegmentTest(avatar)
     start, end = mesh.positions[mesh.stitches[:, 0]], mesh.positions[mesh.stitches[:, 1]]
-    high = np.minimum(start[:, 1], end[:, 1]) > shoulder - SHOULDER_REACH
-    start, end = start[high], end[high]
-    if not len(start):
-        return mesh, ()
+    spacing = float(np.median(np.linalg.norm(np.diff(start, axis=0), axis=1)))
 
-    def blocked(lift: float) -> int:
-        """Stitches that run through the body at this lift, or less than HEADROOM above it."""
+    def cost(lift: float) -> float:
+        """Length of seam that runs through the body here, or less than HEADROOM above it, and the lift."""
         up, below = np.array([0.0, lift, 0.0]), np.array([0.0, lift - HEADROOM, 0.0])
-        return int((test.crossing(start + up, end + up) | test.crossing(start + below, end + below)).sum())
+        blocked = test.crossing(start + up, end + up) | test.crossing(start + below, end + below)
+        return spacing * float(blocked.sum()) + lift
 
-    best, fewest = 0.0, blocked(0.0)
-    for lift in np.arange(LIFT_STEP, HIGHEST_LIFT, LIFT_STEP):
-        if fewest == 0:
-            break
-        count = blocked(float(lift))
-        if count < fewest:
-            best, fewest = float(lift), count
+    lifts = np.arange(0.0, HIGHEST_LIFT, LIFT_STEP)
+    best = float(lifts[np.argmin([cost(float(lift)) for lift in lifts])])
     if best == 0.0:
         return mesh, ()
     best += LIFT_CLEARANCE

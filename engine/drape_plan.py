@@ -53,6 +53,8 @@ class DrapePlan:
         Sewing steps granted after the seams should have met.
     jam_radius
         Cloth this close to a stitch that cannot close may pass through itself until it is disentangled [m].
+    tangle_radius
+        Cloth this close to a crossing may pass through itself until it is disentangled [m].
     untangle_stiffness
         Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
     tangle_frames
@@ -94,7 +96,8 @@ class DrapePlan:
     closed_gap: float = 1e-3
     merge_gap: float = 6e-3
     patience: int = 12
-    jam_radius: float = 0.015
+    jam_radius: float = 0.03
+    tangle_radius: float = 0.015
     untangle_stiffness: float = 50.0
     tangle_frames: int = 15
     late_frames: int = 4

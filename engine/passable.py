@@ -10,12 +10,12 @@ BODY_RINGS = 3
 """Rings of avatar faces around a crossing that let cloth pass."""
 
 
-def around(drape: DrapeState, nodes: Int, widening: float = 1.0) -> Bool:
-    """Mark material vertices within `widening` jam radii of nodes, along the cloth, shape (m,)."""
+def around(drape: DrapeState, nodes: Int, radius: float) -> Bool:
+    """Mark material vertices within about `radius` [m] of nodes, along the cloth, shape (m,)."""
     faces = drape.stepper.faces
     marked = node_mask(len(drape.stepper.x), nodes)
     edge = float(np.sqrt(2.0 * drape.cloth.rest_area.mean()))
-    for _ in range(int(np.ceil(widening * drape.plan.jam_radius / edge))):
+    for _ in range(int(np.ceil(radius / edge))):
         marked[faces[marked[faces].any(axis=1)].ravel()] = True
     return np.asarray(marked[drape.cloth.node])
 
@@ -32,7 +32,7 @@ def let_pass_crossings(
         body[drape.surface.faces[found.avatar[:, 1]].ravel()] = True
         for _ in range(BODY_RINGS):
             body[drape.surface.faces[body[drape.surface.faces].any(axis=1)].ravel()] = True
-    passing = around(drape, crossing, widening)
+    passing = around(drape, crossing, widening * drape.plan.tangle_radius)
     if closing is not None:
-        passing |= around(drape, closing)
+        passing |= around(drape, closing, drape.plan.jam_radius)
     drape.let_pass(passing, body)

@@ -42,7 +42,7 @@ def close(drape: DrapeState) -> None:
         node_share[pairs[:, 0]] = share
         node_share[pairs[:, 1]] = share
         if count == total + plan.patience:
-            drape.let_pass(around(drape, pairs[drape.gaps() >= plan.merge_gap].ravel()))
+            drape.let_pass(around(drape, pairs[drape.gaps() >= plan.merge_gap].ravel(), plan.jam_radius))
         if count >= total:
             stiffness *= plan.stiffening
             hold *= 0.7

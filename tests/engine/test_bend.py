@@ -141,6 +141,27 @@ def test_a_curved_rest_shape_is_force_free_wherever_it_is() -> None:
     assert bending.energy(flat) == pytest.approx(0.5 / 0.5**2, rel=0.02)
 
 
+def test_an_unresolved_crease_of_the_rest_shape_bears_little_and_curves_bear_all() -> None:
+    points, faces = mesh("right", 1.0, 1.0, 0.1)
+    ones = np.ones(len(faces))
+    tensor = bending_tensor(ones, ones, ones)
+
+    def share(shape: Float) -> Float:
+        rest = unrolled_corners(shape, faces)
+        curved = Bending(faces, rest, tensor, len(points), rest_positions=shape).rigidity[:, 0, 0]
+        flat = Bending(faces, rest, tensor, len(points)).rigidity[:, 0, 0]
+        return np.asarray(curved / flat)
+
+    assert share(rolled(points, 0.4, 0.5)) == pytest.approx(1.0, abs=1e-12)
+    # Folded back upon itself along u = 0.5, within one row of faces.
+    u, v = points.T
+    folded = np.column_stack((np.minimum(u, 1.0 - u), v, np.where(u > 0.55, 0.01, 0.0)))
+    found = share(folded)
+    at_fold = np.abs(points[faces].mean(axis=1)[:, 0] - 0.5) < 0.1
+    assert np.median(found[at_fold]) < 0.5
+    assert found[np.abs(points[faces].mean(axis=1)[:, 0] - 0.5) > 0.3].min() == 1.0
+
+
 def unrolled_corners(shape: Float, faces: Int) -> Float:
     """Rest corners (t, 3, 2) of a mesh in space: each face in a plane of its own."""
     corners = shape[faces]
