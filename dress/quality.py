@@ -42,7 +42,7 @@ class Quality:
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="preview", edge_length=0.016, max_frames=50, refine_angle=0.6, tolerance=1e-3),
+        Quality(name="preview", edge_length=0.016, max_frames=80, refine_angle=0.6, tolerance=1e-3),
         Quality(name="standard", edge_length=0.010, max_frames=80, refine_angle=0.5, tolerance=4e-4),
         Quality(name="accurate", edge_length=0.007, max_frames=160, refine_angle=0.4, tolerance=2e-4),
     )

@@ -12,6 +12,7 @@ from toile.engine.passable import let_pass_crossings
 from toile.engine.settling import ease, settle
 from toile.engine.sewing import sew
 from toile.engine.tangles import close_late, relax_tangles
+from toile.engine.unpicking import leave_open, sew_again
 
 
 class Drape(DrapeState):
@@ -30,6 +31,31 @@ class Drape(DrapeState):
         if self.phase == "sewing":
             sew(self)
         relax_tangles(self)
+        if self._can_go_back():
+            sew_again(self)
+        self._put_on()
+        if self._can_go_back():
+            leave_open(self)
+            self._put_on()
+        self.remesh()
+        ease(self)
+        self.remesh()
+        if not self.stopped():
+            self.phase = "settling"
+            # What is still open may close while the garment hangs, but not by crossing itself.
+            self.solid = True
+            settle(self)
+        if self.audited != self.record.steps:
+            self.close_frame(0)
+        return self.record
+
+    def _can_go_back(self) -> bool:
+        """Whether cloth is tangled, and its seams can be unpicked."""
+        return bool(self.ghost.any()) and self.before_passing is not None and not self.stopped()
+
+    def _put_on(self) -> None:
+        """Draw sewn cloth apart where it is tangled, and let the avatar take on its true shape."""
+        relax_tangles(self)
         if len(self.growth) > 1:
             ease(self)
         for shape in self.growth:
@@ -37,12 +63,3 @@ class Drape(DrapeState):
                 self.phase = "growing"
                 grow(self, shape.vertices, shape.per_step)
         close_late(self)
-        self.remesh()
-        ease(self)
-        self.remesh()
-        if not self.stopped():
-            self.phase = "settling"
-            settle(self)
-        if self.audited != self.record.steps:
-            self.close_frame(0)
-        return self.record

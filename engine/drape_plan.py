@@ -99,7 +99,7 @@ class DrapePlan:
     jam_radius: float = 0.03
     tangle_radius: float = 0.015
     untangle_stiffness: float = 50.0
-    tangle_frames: int = 15
+    tangle_frames: int = 12
     late_frames: int = 4
     easing_steps: int = 20
     waist_stiffness: float = 20.0

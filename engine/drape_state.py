@@ -1,6 +1,8 @@
 """A drape in progress: its cloth, the stepper of its present topology, and what was done so far."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +18,13 @@ RELAXATIONS = 2
 """Newton iterations in which the nodes of remeshed faces settle."""
 
 
+class BeforePassing(NamedTuple):
+    """A drape before cloth was let pass through itself: the cloth, and avatar vertices [m], shape (v, 3)."""
+
+    cloth: Cloth
+    avatar: Float | None
+
+
 class DrapeState(ClothRun):
     """What the phases of a drape share.
 
@@ -25,6 +34,12 @@ class DrapeState(ClothRun):
         Material vertices that may pass through each other until they are disentangled, shape (m,).
     avatar_ghost
         Avatar vertices they may pass through as well, shape (v,), or None.
+    before_passing
+        The drape before cloth was let pass so that seams could close, or None.
+    bold
+        Whether tangles that resisted a first attempt are drawn apart harder, over wider patches.
+    solid
+        Whether no cloth may pass any more: seams that close only so stay open.
     growth
         Shapes the avatar takes on one after the other.
     phase
@@ -47,6 +62,9 @@ class DrapeState(ClothRun):
         self.record.node_counts.append(len(cloth.positions))
         self.ghost: Bool = np.zeros(len(cloth.node), bool)
         self.avatar_ghost: Bool | None = None
+        self.before_passing: BeforePassing | None = None
+        self.bold = False
+        self.solid = False
         self._meshed_at = cloth.positions
         self._frames = 0
         self.audited = -1
@@ -114,6 +132,12 @@ class DrapeState(ClothRun):
             )
         )  # fmt: skip
         self.stepper.pinned = pinned
+
+    def remember(self) -> None:
+        """Keep the drape as it is, so that it can be taken up again."""
+        cloth = replace(self.cloth, positions=self.stepper.x.copy(), velocities=np.zeros_like(self.stepper.x))
+        avatar = None if self.surface is None else self.surface.vertices.copy()
+        self.before_passing = BeforePassing(cloth, avatar)
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked material vertices, shape (m,), pass through each other and marked avatar vertices."""

@@ -38,7 +38,7 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
             waited += 1
         if share == 1.0:
             finishing += 1
-        if finishing > plan.growth_patience and _few_left(drape, target):
+        if finishing > plan.growth_patience and not drape.solid and _few_left(drape, target):
             put_avatar(drape.stepper, target)
             drape.auditor = None
             let_pass_crossings(drape, drape.audit())

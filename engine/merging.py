@@ -9,6 +9,8 @@ from toile.engine.passable import let_pass_crossings
 
 ARRIVED = 3e-4
 """Distance from its meeting place at which a node is put there [m], whatever is in between: that is found."""
+ARRIVED_SOLID = 1e-5
+"""The same where no cloth may pass: less than any two pieces keep apart, so that nothing is in between."""
 
 
 def join_touching(drape: DrapeState) -> None:
@@ -39,16 +41,26 @@ def merge(drape: DrapeState) -> None:
     # A node stands for all that are merged with it: one late node keeps its whole group open.
     weld = cloth.weld
     late = np.zeros(len(weld), bool)
-    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= ARRIVED]] = True
+    arrived = ARRIVED_SOLID if drape.solid else ARRIVED
+    late[weld[np.linalg.norm(target - stepper.x, axis=1) >= arrived]] = True
     closed = near & ~late[weld[cloth.stitches[:, 0]]]
-    if closed.any():
-        radius = stepper.radius_body.copy()
-        drape.restart(replace(cloth, positions=stepper.x.copy()).merged(closed))
-        drape.stepper.set_body_radius(float(radius.max()))
+    cloth = replace(cloth, positions=stepper.x.copy())
+    radius = float(stepper.radius_body.max()) if stepper.search is not None else 0.0
+    while closed.any():
+        drape.restart(cloth.merged(closed))
+        drape.stepper.set_body_radius(radius)
         # What was between, or crossed unseen across the open seam, is found now.
         crossings = drape.audit()
-        if len(crossings.avatar) or len(crossings.cloth):
+        if not (len(crossings.avatar) or len(crossings.cloth)):
+            return
+        if not drape.solid:
             let_pass_crossings(drape, crossings)
+            return
+        crossing = np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()])
+        at_fault = np.isin(weld[cloth.stitches], weld[cloth.face_nodes[crossing]]).any(axis=1)
+        closed = closed & ~at_fault if (closed & at_fault).any() else np.zeros_like(closed)
+        drape.restart(cloth)
+        drape.stepper.set_body_radius(radius)
 
 
 def merge_late(drape: DrapeState) -> bool:

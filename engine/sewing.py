@@ -18,7 +18,31 @@ def sew(drape: DrapeState) -> None:
     """
     close(drape)
     if not drape.stopped():
-        merge(drape)
+        drape.remember()
+        close_jams(drape)
+
+
+def close_jams(drape: DrapeState) -> None:
+    """Close what is jammed by letting cloth pass, and merge what has closed."""
+    plan = drape.plan
+    pairs = drape.cloth.stitches
+    stiffness = plan.stitch_stiffness * plan.stiffening ** (2 * plan.patience)
+    jammed = drape.gaps() >= plan.merge_gap
+    if jammed.any():
+        drape.let_pass(around(drape, pairs[jammed].ravel(), plan.jam_radius))
+    for _ in range(plan.patience if jammed.any() else 0):
+        drape.take(
+            StepRequest(
+                h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False, stitch_stiffness=stiffness,
+                bending_factor=plan.sewing_bending, untangle_stiffness=plan.untangle_stiffness,
+                cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        if drape.stopped():
+            return
+        if (drape.gaps() < plan.closed_gap).all():
+            break
+    merge(drape)
 
 
 def close(drape: DrapeState) -> None:
@@ -37,12 +61,10 @@ def close(drape: DrapeState) -> None:
     total = closing + int(np.ceil(delay.max()))
     stiffness, hold = plan.stitch_stiffness, plan.hold_stiffness
     node_share = np.ones(len(drape.cloth.positions))
-    for count in range(total + 2 * plan.patience):
+    for count in range(total + plan.patience):
         share = np.clip(1.0 - (count + 1 - delay) / closing, 0.0, 1.0)
         node_share[pairs[:, 0]] = share
         node_share[pairs[:, 1]] = share
-        if count == total + plan.patience:
-            drape.let_pass(around(drape, pairs[drape.gaps() >= plan.merge_gap].ravel(), plan.jam_radius))
         if count >= total:
             stiffness *= plan.stiffening
             hold *= 0.7
@@ -53,7 +75,7 @@ def close(drape: DrapeState) -> None:
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False, hold_stiffness=hold,
                 stitch_share=share, stitch_stiffness=stiffness, bending_factor=plan.sewing_bending,
-                untangle_stiffness=plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
+                cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
         if drape.stopped():

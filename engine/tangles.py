@@ -7,6 +7,11 @@ from toile.engine.merging import merge_late
 from toile.engine.passable import let_pass_crossings
 from toile.engine.step_request import StepRequest
 
+GENTLE, BOLD = 4.0, 16.0
+"""Largest effort at the first attempt, which makes no new tangles, and at the second, which loosens more."""
+HOPELESS = 0.6
+"""Share of all steps after which tangles are given up for a garment that can be unpicked."""
+
 
 def disentangle(drape: DrapeState, effort: float = 1.0) -> bool:
     """Make cloth that crosses nothing any more solid again; return whether all of it is.
@@ -29,14 +34,16 @@ def relax_tangles(drape: DrapeState) -> None:
     for _ in range(plan.tangle_frames):
         if drape.stopped() or disentangle(drape, effort):
             return
+        if drape.before_passing is not None and drape.record.steps > HOPELESS * plan.max_steps:
+            break
         _draw_apart(drape, effort)
-        effort = min(2.0 * effort, 4.0)
+        effort = min(2.0 * effort, BOLD if drape.bold else GENTLE)
     disentangle(drape)
 
 
 def close_late(drape: DrapeState) -> None:
     """Close what is still open: cloth around it may pass through itself, and is then drawn apart."""
-    for _ in range(drape.plan.late_frames):
+    for _ in range(0 if drape.solid else drape.plan.late_frames):
         if drape.stopped() or not len(drape.cloth.stitches):
             break
         let_pass_crossings(drape, drape.audit(), closing=drape.cloth.stitches.ravel())
