@@ -46,6 +46,15 @@ class ContactStencils(NamedTuple):
 NO_CONTACTS = ContactStencils(np.zeros((0, 4), np.int32), np.zeros((0, 4)), np.zeros((0, 3, 3)))
 
 
+def joined(stencils: list[ContactStencils]) -> ContactStencils:
+    """Return one list of contacts from several."""
+    if len(stencils) == 1:
+        return stencils[0]
+    return ContactStencils(
+        *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
+    )
+
+
 class LinearSystem:
     """A x, for one topology; `update` sets the numbers of one Newton iteration.
 

@@ -22,7 +22,7 @@ from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
-from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem
+from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
@@ -227,7 +227,7 @@ class ClothStepper:
             if self.untangling is not None and request.untangle_stiffness > 0.0:
                 stencils.append(self.untangling.stencils(request.untangle_stiffness))
             self.system.update(
-                self.blocks, node_diagonal, contacts=_joined(stencils) if stencils else NO_CONTACTS,
+                self.blocks, node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
                 pinned=self.pinned, bending_scale=request.bending_factor,
             )  # fmt: skip
             self.preconditioner.update(self.system, self.x)
@@ -391,11 +391,3 @@ class ClothStepper:
         length = np.linalg.norm(offset, axis=1)
         keep = np.where(touching, np.minimum(1.0, self.options.slip / np.maximum(length, 1e-300)), 0.0)
         self.anchor[:count] = self.x - offset * keep[:, None]
-
-
-def _joined(stencils: list[ContactStencils]) -> ContactStencils:
-    if len(stencils) == 1:
-        return stencils[0]
-    return ContactStencils(
-        *(np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*stencils, strict=True))
-    )
