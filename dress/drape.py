@@ -71,9 +71,10 @@ def drape(
         growth.insert(0, Growth(vertices=thin, per_step=ARMS_PER_STEP))
         thin = drawn
         notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
+    shoulder = -np.inf if body is None else body.shoulder_point[1]
     placed = []
     for mesh, fabric in garments:
-        lifted, said = lift_over_shoulders(mesh, (thin, avatar.faces))
+        lifted, said = lift_over_shoulders(mesh, (thin, avatar.faces), shoulder)
         notes += said
         layered, said = flared_outside(lifted)
         notes += said

@@ -14,7 +14,7 @@ import numpy as np
 from toile.collide.rigid_pieces import RigidPieces
 from toile.collide.segments import SegmentTest
 from toile.dress.garment_mesh import GarmentMesh
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 
 STEP = 0.01
@@ -22,9 +22,11 @@ FARTHEST = 0.8
 CLEARANCE = 0.01
 ROUNDS = 6
 LIFT_STEP = 0.01
-HIGHEST_LIFT = 0.25
+HIGHEST_LIFT = 0.15
 LIFT_CLEARANCE = 0.015
 HEADROOM = 0.05
+WORTH = 2.0
+SHOULDER_REACH = 0.25
 
 
 def clear_panels(
@@ -95,11 +97,12 @@ def clear_panels(
 
 
 def lift_over_shoulders(
-    mesh: GarmentMesh, avatar: tuple[Float, Int] | None
+    mesh: GarmentMesh, avatar: tuple[Float, Int] | None, shoulder: float = -np.inf
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
     """Lift a garment where that frees enough seam that runs through the avatar; say how far.
 
-    Every stretch of seam that is freed is worth a lift of its own length, not more.
+    Every stretch of seam that is freed is worth a lift of WORTH times its length. Seams more than
+    SHOULDER_REACH below the height of the shoulders [m] give no reason to lift, but may be a reason not to.
     """
     if avatar is None or not mesh.flat or not len(mesh.stitches):
         return mesh, ()
@@ -107,11 +110,16 @@ def lift_over_shoulders(
     start, end = mesh.positions[mesh.stitches[:, 0]], mesh.positions[mesh.stitches[:, 1]]
     spacing = float(np.median(np.linalg.norm(np.diff(start, axis=0), axis=1)))
 
-    def cost(lift: float) -> float:
-        """Length of seam that runs through the body here, or less than HEADROOM above it, and the lift."""
+    def blocked(lift: float) -> Bool:
+        """Which stitches run through the body at this lift, or less than HEADROOM above it."""
         up, below = np.array([0.0, lift, 0.0]), np.array([0.0, lift - HEADROOM, 0.0])
-        blocked = test.crossing(start + up, end + up) | test.crossing(start + below, end + below)
-        return spacing * float(blocked.sum()) + lift
+        return np.asarray(test.crossing(start + up, end + up) | test.crossing(start + below, end + below))
+
+    low = np.minimum(start[:, 1], end[:, 1]) < shoulder - SHOULDER_REACH
+    counted = ~(low & blocked(0.0))
+
+    def cost(lift: float) -> float:
+        return WORTH * spacing * float((blocked(lift) & counted).sum()) + lift
 
     lifts = np.arange(0.0, HIGHEST_LIFT, LIFT_STEP)
     best = float(lifts[np.argmin([cost(float(lift)) for lift in lifts])])

@@ -52,9 +52,8 @@ class DrapePlan:
     patience
         Sewing steps granted after the seams should have met.
     jam_radius
-        Cloth this close to a stitch that cannot close may pass through itself until it is disentangled [m].
-    tangle_radius
-        Cloth this close to a crossing may pass through itself until it is disentangled [m].
+        Cloth this close to a stitch that cannot close, or to a crossing, may pass through itself until it is
+        disentangled [m].
     untangle_stiffness
         Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
     tangle_frames
@@ -97,7 +96,6 @@ class DrapePlan:
     merge_gap: float = 6e-3
     patience: int = 12
     jam_radius: float = 0.03
-    tangle_radius: float = 0.015
     untangle_stiffness: float = 50.0
     tangle_frames: int = 12
     late_frames: int = 4

@@ -36,8 +36,8 @@ class DrapeState(ClothRun):
         Avatar vertices they may pass through as well, shape (v,), or None.
     before_passing
         The drape before cloth was let pass so that seams could close, or None.
-    bold
-        Whether tangles that resisted a first attempt are drawn apart harder, over wider patches.
+    gentle
+        Whether tangles that resisted a first attempt are drawn apart less hard, over narrower patches.
     solid
         Whether no cloth may pass any more: seams that close only so stay open.
     growth
@@ -63,7 +63,7 @@ class DrapeState(ClothRun):
         self.ghost: Bool = np.zeros(len(cloth.node), bool)
         self.avatar_ghost: Bool | None = None
         self.before_passing: BeforePassing | None = None
-        self.bold = False
+        self.gentle = False
         self.solid = False
         self._meshed_at = cloth.positions
         self._frames = 0

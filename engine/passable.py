@@ -6,7 +6,7 @@ from toile.collide.audit import Crossings
 from toile.engine.drape_state import DrapeState, node_mask
 from toile.geometry.arrays import Bool, Int
 
-BOLDLY_WIDER = 2.0
+GENTLY_NARROWER = 0.5
 """Factor on the radius around crossings at the second attempt."""
 BODY_RINGS = 3
 """Rings of avatar faces around a crossing that let cloth pass."""
@@ -34,7 +34,7 @@ def let_pass_crossings(
         body[drape.surface.faces[found.avatar[:, 1]].ravel()] = True
         for _ in range(BODY_RINGS):
             body[drape.surface.faces[body[drape.surface.faces].any(axis=1)].ravel()] = True
-    radius = widening * drape.plan.tangle_radius * (BOLDLY_WIDER if drape.bold else 1.0)
+    radius = widening * drape.plan.jam_radius * (GENTLY_NARROWER if drape.gentle else 1.0)
     passing = around(drape, crossing, radius)
     if closing is not None:
         passing |= around(drape, closing, drape.plan.jam_radius)

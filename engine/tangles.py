@@ -7,8 +7,8 @@ from toile.engine.merging import merge_late
 from toile.engine.passable import let_pass_crossings
 from toile.engine.step_request import StepRequest
 
-GENTLE, BOLD = 4.0, 16.0
-"""Largest effort at the first attempt, which makes no new tangles, and at the second, which loosens more."""
+LARGEST_EFFORT, GENTLE_EFFORT = 16.0, 4.0
+"""Largest effort at the first attempt, which loosens most, and the second, which makes fewer new tangles."""
 HOPELESS = 0.6
 """Share of all steps after which tangles are given up for a garment that can be unpicked."""
 
@@ -37,7 +37,7 @@ def relax_tangles(drape: DrapeState) -> None:
         if drape.before_passing is not None and drape.record.steps > HOPELESS * plan.max_steps:
             break
         _draw_apart(drape, effort)
-        effort = min(2.0 * effort, BOLD if drape.bold else GENTLE)
+        effort = min(2.0 * effort, GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT)
     disentangle(drape)
 
 

@@ -1,7 +1,7 @@
 """Unpicking: when tangles do not come loose, seams that closed by passing through cloth are opened again.
 
 Before cloth is first let pass through itself the drape is remembered. From there a second attempt is made,
-with more force. If that fails too, what closes without a crossing is kept, and cloth never passes again: a
+more gently. If that fails too, what closes without a crossing is kept, and cloth never passes again: a
 garment with an open seam is worth more than one that crosses itself.
 """
 
@@ -14,9 +14,9 @@ from toile.engine.sewing import close_jams
 
 
 def sew_again(drape: DrapeState) -> None:
-    """Go back to the jammed seams, and close them again, boldly."""
+    """Go back to the jammed seams, and close them again, more gently."""
     _go_back(drape)
-    drape.bold = True
+    drape.gentle = True
     close_jams(drape)
 
 
