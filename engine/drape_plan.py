@@ -97,8 +97,8 @@ class DrapePlan:
     patience: int = 12
     jam_radius: float = 0.03
     untangle_stiffness: float = 50.0
-    tangle_frames: int = 12
-    late_frames: int = 4
+    tangle_frames: int = 15
+    late_frames: int = 8
     easing_steps: int = 20
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002

@@ -65,3 +65,5 @@ def _draw_apart(drape: DrapeState, effort: float) -> None:
                 untangle_stiffness=effort * plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
+        if drape.audited == drape.record.steps and not any(drape.record.crossings[-1]):
+            return  # Nothing crosses at this moment: it is seized.
