@@ -172,7 +172,7 @@ def _outcome(
             failure = Failure(
                 kind="open_seams",
                 message=f"{len(open_gaps)} stitches did not close, gap up to {open_gaps.max() * 1e3:.0f} mm; "
-                "the garment may be too small for this body",
+                "the garment may be too small for this body, or cloth lies in the way",
                 where=", ".join(seams),
             )
         elif run.phase != "settling":
