@@ -131,6 +131,11 @@ class ContactSearch:
             self.positions[self._count :] = self._avatar.vertices
 
     @property
+    def pairs(self) -> tuple[Int, Int]:
+        """All candidates, against the avatar and within the cloth: vertex-face, edge-edge, each (k, 4)."""
+        return np.concatenate([self.body[0], self.cloth[0]]), np.concatenate([self.body[1], self.cloth[1]])
+
+    @property
     def all_faces(self) -> Int:
         """Faces of the cloth, then of the avatar, as triples of rows of `positions`, shape (t, 3)."""
         if self._avatar_surface is None:

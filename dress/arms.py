@@ -16,14 +16,14 @@ STUMP_TIP = 0.02
 THICKNESS_KEPT = 0.5
 
 
-def drawn_in_arms(vertices: Float, body: Measurements, meshes: list[GarmentMesh]) -> Float | None:
+def drawn_in_arms(vertices: Float, body: Measurements | None, meshes: list[GarmentMesh]) -> Float | None:
     """Vertices with both arms drawn in along their axes, if garments need it; else None.
 
     They do if a panel that is no sleeve, seen from the front, covers part of an arm. What is left of an arm
     is a short stump, or the length that sleeves cover. `vertices`, shape (v, 3), is the avatar in its start
-    shape, `body` what was measured on it.
+    shape, `body` what was measured on it. Bodies that could not be measured (None) keep their arms.
     """
-    if not all(mesh.flat for mesh in meshes):
+    if body is None or not all(mesh.flat for mesh in meshes):
         return None
     drawn = vertices.copy()
     covered = False

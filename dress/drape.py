@@ -21,8 +21,7 @@ from toile.dress.drape_types import (
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.layer_order import flared_outside
-from toile.dress.measure import measure
-from toile.dress.measurements import Measurements
+from toile.dress.measure import measured
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
 from toile.engine.cloth import Cloth
 from toile.engine.drape import Drape
@@ -30,7 +29,6 @@ from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.step_request import StepOptions
-from toile.geometry.errors import InputError
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -65,8 +63,8 @@ def drape(
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
     notes: list[str] = []
     growth = [Growth(vertices=avatar.vertices, per_step=GROWTH_PER_STEP)]
-    body = _measured(avatar)
-    drawn = None if body is None else drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
+    body = measured(avatar)
+    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
     if drawn is not None:
         growth.insert(0, Growth(vertices=thin, per_step=ARMS_PER_STEP))
         thin = drawn
@@ -107,14 +105,6 @@ def drape(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
     return _outcome(run, garments, failure, tuple(notes))
-
-
-def _measured(avatar: Avatar) -> Measurements | None:
-    """Measure the body; one that cannot be measured (sitting, arms up) is dressed without that."""
-    try:
-        return measure(avatar)
-    except InputError:
-        return None
 
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:

@@ -45,11 +45,7 @@ def grow_avatar(stepper: ClothStepper, target: Float, longest: float, carry: boo
         size = np.linalg.norm(carried, axis=1)
         move[:count] = carried * np.minimum(1.0, FARTHEST_CARRIED / np.maximum(size, 1e-300))[:, None]
         search.search(stepper.x, np.minimum(size, FARTHEST_CARRIED))
-        factor = safe_factors(
-            search.positions, move,
-            np.concatenate([search.body[0], search.cloth[0]]),
-            np.concatenate([search.body[1], search.cloth[1]]),
-        )  # fmt: skip
+        factor = safe_factors(search.positions, move, *search.pairs)
         stepper.x += move[:count] * factor[:count, None]
     done = share * factor[count:]
     # Full moves land on the target itself, so that the avatar ends exactly in its true shape.

@@ -284,11 +284,7 @@ class ClothStepper:
         self.search.place(self.x)
         move = np.zeros_like(self.search.positions)
         move[: len(self.x)] = wanted
-        factor = safe_factors(
-            self.search.positions, move,
-            np.concatenate([self.search.body[0], self.search.cloth[0]]),
-            np.concatenate([self.search.body[1], self.search.cloth[1]]),
-        )[: len(self.x)]  # fmt: skip
+        factor = safe_factors(self.search.positions, move, *self.search.pairs)[: len(self.x)]
         return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
 
     def _backed_off(self, move: Float, gradient: Float) -> Float:
@@ -329,11 +325,7 @@ class ClothStepper:
             search.place(self.x)
             move = np.zeros_like(search.positions)
             move[: len(self.x)] = wanted
-            factor = safe_factors(
-                search.positions, move,
-                np.concatenate([search.body[0], search.cloth[0]]),
-                np.concatenate([search.body[1], search.cloth[1]]),
-            )[: len(self.x)]  # fmt: skip
+            factor = safe_factors(search.positions, move, *search.pairs)[: len(self.x)]
             done = wanted * factor[:, None]
             if search.covers(self.x + done):
                 return done, int(np.count_nonzero(factor < 1.0))

@@ -8,7 +8,7 @@ from toile.dress.arms import STUMP, drawn_in_arms
 from toile.dress.avatar import Avatar
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mannequin import mannequin
-from toile.dress.measure import measure
+from toile.dress.measure import measure, measured
 from toile.geometry.arrays import Float
 
 
@@ -70,3 +70,9 @@ def test_short_sleeves_keep_the_part_of_the_arm_they_cover(body: Avatar) -> None
     # The other arm has no sleeve.
     right = body.vertices[:, 0] < 0.0
     assert np.array_equal(sleeved[right], bare[right])
+
+
+def test_body_that_cannot_be_measured_keeps_its_arms(body: Avatar) -> None:
+    lying = replace(body, vertices=np.ascontiguousarray(body.vertices[:, [0, 2, 1]] * [1.0, 1.0, -1.0]))
+    assert measured(lying) is None
+    assert drawn_in_arms(lying.vertices, measured(lying), [placed(0.6, 0.9, "skirt_front")]) is None
