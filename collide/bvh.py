@@ -244,3 +244,52 @@ def _collect(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float, same: boo
         if found <= capacity:
             return pairs[:found]
         capacity = found
+
+
+@kernel(types.int64(F64_2, I32_1, I32_2, F64_2, F64_2, I32_2, OUT_I32_2))
+def _meeting(boxes, order, child, tree_box, p, faces, pairs):  # type: ignore[no-untyped-def]
+    """Write pairs (box, face) that overlap while they fit; return how many there are."""
+    capacity = pairs.shape[0]
+    found = 0
+    stack = np.empty(128, np.int32)
+    face = np.empty((1, 6))
+    for t in range(faces.shape[0]):
+        a, b, c = faces[t, 0], faces[t, 1], faces[t, 2]
+        for axis in range(3):
+            face[0, axis] = min(p[a, axis], p[b, axis], p[c, axis])
+            face[0, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis])
+        stack[0] = 0
+        depth = 1
+        while depth > 0:
+            depth -= 1
+            node = stack[depth]
+            if _apart(tree_box, node, face, 0):
+                continue
+            if child[node, 0] >= 0:
+                stack[depth] = child[node, 0]
+                stack[depth + 1] = child[node, 1]
+                depth += 2
+                continue
+            first = -1 - child[node, 0]
+            for k in range(first, first + child[node, 1]):
+                if not _apart(boxes, order[k], face, 0):
+                    if found < capacity:
+                        pairs[found, 0] = order[k]
+                        pairs[found, 1] = t
+                    found += 1
+    return found
+
+
+def boxes_meeting_faces(tree: Bvh, boxes: Float, points: Float, faces: Int) -> Int:
+    """Index pairs (box, face) of boxes that overlap those of faces, shape (p, 2).
+
+    For a small tree and many faces (t, 3) of `points` [m], shape (n, 3), that are asked about once: a
+    hierarchy over them would cost more than it saves.
+    """
+    capacity = 16 * len(boxes) + 1024
+    while True:
+        pairs = np.empty((capacity, 2), np.int32)
+        found = _meeting(boxes, tree.order, tree.child, tree.box, points, faces, pairs)
+        if found <= capacity:
+            return pairs[:found]
+        capacity = found

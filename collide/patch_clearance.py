@@ -68,6 +68,19 @@ def _folded(p, u, v, a, b, touch):  # type: ignore[no-untyped-def]
 
 
 @helper
+def _clearly_apart(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
+    """Whether boxes of vertex i and face jkm (kind 0), or of edges ij and km, are more than reach apart."""
+    for axis in range(3):
+        one, two, three, four = p[i, axis], p[j, axis], p[k, axis], p[m, axis]
+        if kind == 0:
+            if min(two, three, four) - one > reach or one - max(two, three, four) > reach:
+                return True
+        elif min(three, four) - max(one, two) > reach or min(one, two) - max(three, four) > reach:
+            return True
+    return False
+
+
+@helper
 def _too_close(p, weld, triangles, a, b, reach):  # type: ignore[no-untyped-def]
     """Whether an unshared vertex and face, or two unshared edges, are closer than reach."""
     for test in range(15):
@@ -86,6 +99,8 @@ def _too_close(p, weld, triangles, a, b, reach):  # type: ignore[no-untyped-def]
         if one == weld[k] or one == weld[m] or (kind == 0 and one == other):
             continue
         if kind == 1 and (other == weld[k] or other == weld[m]):
+            continue
+        if _clearly_apart(p, kind, i, j, k, m, reach):
             continue
         wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
@@ -197,7 +212,7 @@ def clear_proposals(
     count
         How many proposals there are.
     avatar
-        The body at its current place. Its hierarchy is left fitted to the plain faces.
+        The body at its current place.
     gap_self, gap_body
         Least distance between new triangles and cloth or avatar that they do not share a node with [m].
     """
@@ -212,15 +227,13 @@ def clear_proposals(
     tree_new = bvh.build(boxes_new)
 
     among = bvh.self_overlapping_pairs(tree_new, boxes_new)
-    boxes = _boxes(positions, faces)
-    cloth = bvh.overlapping_pairs(tree_new, boxes_new, bvh.build(boxes), boxes)
+    cloth = bvh.boxes_meeting_faces(tree_new, boxes_new, positions, faces)
     removals = removed_owner.astype(np.int64) * kept + removed
     cloth = cloth[~np.isin(owner[cloth[:, 0]].astype(np.int64) * kept + cloth[:, 1], removals)]
     points, welded, corners = positions, weld, [triangles, faces]
     body = np.empty((0, 2), np.int32)
     if avatar is not None:
-        tree = avatar.tree(np.zeros(len(avatar.vertices)))
-        body = bvh.overlapping_pairs(tree_new, boxes_new, tree, avatar.boxes)
+        body = bvh.boxes_meeting_faces(tree_new, boxes_new, avatar.vertices, avatar.faces)
         points = np.concatenate([positions, avatar.vertices])
         welded = np.concatenate([weld, np.arange(len(positions), len(points), dtype=np.int32)])
         corners.append(avatar.faces + np.int32(len(positions)))

@@ -40,6 +40,10 @@ ARMS_PER_STEP = 0.03
 CONTACT_STIFFNESS = 2e6
 """Pressure per depth of contact [Pa/m]: a tight garment's 500 Pa sinks in 0.25 mm."""
 SLIP = 1e-3
+LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
+"""Gap at which stitches merge: at least [m], and in edges, since they pull against whole edges."""
+LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
+"""Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
 
 
@@ -131,6 +135,8 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
         max_steps=options.max_frames * STEPS_PER_FRAME,
         rms_motion=options.tolerance,
         peak_motion=PEAK_OVER_RMS * options.tolerance,
+        merge_gap=max(LEAST_MERGE_GAP, MERGE_GAP * options.edge_length),
+        late_stiffness=max(LEAST_LATE_STIFFNESS, LATE_STIFFNESS * options.edge_length),
         sizing=options.sizing,
     )
 
@@ -197,6 +203,11 @@ def _outcome(
         weft_strain_max=float(strain[:, 1].max()),
         strain_p99=float(np.quantile(strain, 0.99)),
         residual=record.rms_motion,
+        remeshings=len(record.remeshings),
+        splits=sum(done.splits for done in record.remeshings),
+        flips=sum(done.flips for done in record.remeshings),
+        collapses=sum(done.collapses for done in record.remeshings),
+        energy_jump_max=max((done.energy_jump for done in record.remeshings), default=0.0),
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(

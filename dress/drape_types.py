@@ -78,8 +78,6 @@ class DrapeFigures:
         Counts; the start is not a frame.
     simulated_seconds
         Simulated time [s].
-    stage_seconds
-        Wall time per stage [s]; stages that a scene did not need are missing.
     nodes, faces
         (initial, final, max) counts over all garments.
     contacts_max
@@ -95,6 +93,12 @@ class DrapeFigures:
         Strain along the threads in the final frame: largest, and 99th percentile of both [%].
     residual
         How far from rest: RMS node motion over the last output frame [m].
+    remeshings, splits, flips, collapses
+        How often the mesh was adapted, and what was done in all.
+    energy_jump_max
+        Largest rise of the elastic energy in a remeshing, as a share of it; 0 if there was none.
+    stage_seconds
+        Wall time per stage [s]; stages that a scene did not need are missing.
     """
 
     frames: int
@@ -113,6 +117,11 @@ class DrapeFigures:
     weft_strain_max: float
     strain_p99: float
     residual: float
+    remeshings: int
+    splits: int
+    flips: int
+    collapses: int
+    energy_jump_max: float
     stage_seconds: dict[str, float] = field(default_factory=dict)
 
 

@@ -30,7 +30,7 @@ from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
 
 Say = Callable[[str], None]
-SEWING_COARSENESS = 2.5
+SEWING_COARSENESS = 1.5
 """Edge length in which a garment is sewn, in finest edges of an adaptive mesh."""
 
 

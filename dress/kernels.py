@@ -34,7 +34,9 @@ PANEL_KERNELS = (
 )
 REMESH_KERNELS = (
     "toile.collide.patch_clearance",
+    "toile.remesh.edge_size",
     "toile.remesh.choose_merges",
+    "toile.remesh.judge_flips",
     "toile.remesh.disjoint_pairs",
 )
 PICTURE_KERNELS = ("toile.dress.rasterizer", "toile.dress.shading")

@@ -62,6 +62,13 @@ def drape_report(
             "p99": figures.strain_p99,
         },
         "residual": figures.residual,
+        "remeshing": {
+            "passes": figures.remeshings,
+            "splits": figures.splits,
+            "flips": figures.flips,
+            "collapses": figures.collapses,
+            "energy_jump_max": figures.energy_jump_max,
+        },
         "avatar": avatar,
         "garments": garments,
         "wall_seconds": wall_seconds,

@@ -110,7 +110,7 @@ class Scene:
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"
     edge_length: float | None = None
-    remesh: bool | SizingOptions = False
+    remesh: bool | SizingOptions = True
     max_frames: int | None = None
     gravity: float = 9.81
     friction: float | None = None

@@ -46,7 +46,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "": {
         "quality": (str, "preview, standard (default) or accurate"),
         "edge_length": (NUMBER, "edge length of the triangles [m] instead of the quality's"),
-        "remesh": ((bool, dict), "true, or table: the mesh adapts to the folds"),
+        "remesh": ((bool, dict), "false: the mesh stays as it is; table: how it adapts to the folds"),
         "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
@@ -151,7 +151,7 @@ class _SceneReader:
                 avatar=self._avatar(data.get("avatar", {})),
                 fabric=data.get("default_fabric"),
                 fabrics=own,
-                remesh=self._remesh(data.get("remesh", False), data),
+                remesh=self._remesh(data.get("remesh", True), data),
                 **plain,
             )
         except InputError as error:

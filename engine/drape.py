@@ -51,7 +51,7 @@ class Drape(DrapeState):
 
     def _can_go_back(self) -> bool:
         """Whether cloth is tangled, and its seams can be unpicked."""
-        return bool(self.ghost.any()) and self.before_passing is not None and not self.stopped()
+        return bool(self.ghost.any()) and self.before_passing is not None and not self.over()
 
     def _put_on(self) -> None:
         """Draw sewn cloth apart where it is tangled, and let the avatar take on its true shape."""

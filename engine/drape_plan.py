@@ -7,6 +7,7 @@ import numpy as np
 
 from toile.collide.audit import Crossings
 from toile.engine.cloth import Cloth
+from toile.engine.remeshing_record import Remeshing
 from toile.engine.step_request import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing import SizingOptions
@@ -129,18 +130,6 @@ class Frame:
     rms_motion: float
     peak_motion: float
     crossings: Crossings
-
-
-@dataclass(frozen=True, kw_only=True)
-class Remeshing:
-    """What one remeshing did, after which step; the change of elastic energy as a share of it."""
-
-    step: int
-    faces: int
-    splits: int
-    flips: int
-    collapses: int
-    energy_jump: float
 
 
 @dataclass

@@ -8,14 +8,15 @@ import numpy as np
 
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
-from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase, Remeshing
+from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 
 MOVED, MOVED_AT_END = 0.5, 0.1
 """RMS motion since the last remeshing, in shortest edges, at which a mesh is adapted again."""
-RELAXATIONS = 2
-"""Newton iterations in which the nodes of remeshed faces settle."""
+
+FIRST_SHARE, GENTLE_SHARE = 0.4, 0.65
+"""Share of all steps after which the first and the second attempt to loosen tangles are given up."""
 
 
 class BeforePassing(NamedTuple):
@@ -70,9 +71,18 @@ class DrapeState(ClothRun):
         self.audited = -1
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
 
-    def stopped(self) -> bool:
+    def over(self) -> bool:
         """Whether the user cancelled or the step limit has come."""
         return self.record.cancelled or self.record.steps >= self.plan.max_steps
+
+    def stopped(self) -> bool:
+        """Whether what is going on must end: all is over, or tangles had their share of the steps.
+
+        That holds for tangles that can be taken back: what is left of the steps is for the next attempt.
+        """
+        share = GENTLE_SHARE if self.gentle else FIRST_SHARE
+        late = self.record.steps >= share * self.plan.max_steps
+        return self.over() or (late and bool(self.ghost.any()) and self.before_passing is not None)
 
     def gaps(self) -> Float:
         """Length of every open stitch now [m], shape (s,)."""
@@ -82,37 +92,33 @@ class DrapeState(ClothRun):
     def restart(self, cloth: Cloth, anchors: Float | None = None) -> None:
         """Go on with a cloth of another topology."""
         super().restart(cloth, anchors)
+        self._meshed_at = self.stepper.x.copy()
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)
 
     def remesh(self) -> bool:
-        """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed."""
-        if self.plan.sizing is None:
+        """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed.
+
+        While cloth may pass through itself its mesh stays.
+        """
+        if self.plan.sizing is None or self.ghost.any():
             return False
         # Its kernels are compiled for scenes that ask for it only.
-        from toile.engine.remeshing import remeshed
+        from toile.engine.remeshing import remesh_run
 
         started = self.clock.now()
-        stepper = self.stepper
-        found = remeshed(self.cloth, stepper, self.plan.sizing)
-        if found is not None:
-            before = stepper.elastic_energy()
-            # All that it takes counts as remeshing, not as assembly or contact.
-            clock, self.clock = self.clock, StageClock()
-            ClothRun.restart(self, found.cloth, found.anchors)
-            self._relax(found.changed)
-            self.clock = self.stepper.clock = clock
-            jump = (self.stepper.elastic_energy() - before) / max(before, 1e-300)
-            self.record.remeshings.append(
-                Remeshing(
-                    step=self.record.steps, faces=len(found.cloth.faces), splits=found.splits,
-                    flips=found.flips, collapses=found.collapses, energy_jump=jump,
-                )
-            )  # fmt: skip
-            self.record.node_counts.append(len(found.cloth.positions))
+        request = StepRequest(
+            h=self.plan.longest_step, at_rest=True,
+            stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
+        )  # fmt: skip
+        done = remesh_run(self, self.plan.sizing, request, self.record.steps)
+        if done is not None:
+            self.record.remeshings.append(done)
+            self.record.node_counts.append(len(self.cloth.positions))
+            self.ghost = np.zeros(len(self.cloth.node), bool)
         self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", started)
-        return found is not None
+        return done is not None
 
     def needs_remeshing(self, finished: bool) -> bool:
         """Whether the cloth has moved so far since it was meshed that its mesh may not fit any more."""
@@ -120,18 +126,6 @@ class DrapeState(ClothRun):
             return False
         moved = float(np.sqrt(np.mean((self.stepper.x - self._meshed_at) ** 2) * 3.0))
         return moved > (MOVED_AT_END if finished else MOVED) * self.plan.sizing.size_min
-
-    def _relax(self, free: Bool) -> None:
-        """Let the nodes of changed faces find their equilibrium while all others stay, free of shape (n,)."""
-        pinned = self.stepper.pinned
-        self.stepper.pinned = ~free if pinned is None else pinned | ~free
-        self.stepper.step(
-            StepRequest(
-                h=self.plan.longest_step, at_rest=True, newton=RELAXATIONS,
-                stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
-            )
-        )  # fmt: skip
-        self.stepper.pinned = pinned
 
     def remember(self) -> None:
         """Keep the drape as it is, so that it can be taken up again."""

@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 
 from toile.collide.audit import Crossings
 from toile.engine.cloth import Cloth
+from toile.engine.remeshing_record import Remeshing
 from toile.engine.step_request import StepOptions
+from toile.remesh.sizing import SizingOptions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +32,10 @@ class FilmPlan:
         Motion [m] below which the iterations of a step have converged.
     cg_tolerance
         Relative residual of the linear solver.
+    sizing
+        How fine the mesh should be as the cloth moves; None keeps it as it is.
+    remesh_frames
+        Frames between two remeshings.
     """
 
     step: StepOptions
@@ -41,6 +47,8 @@ class FilmPlan:
     newton: int = 1
     newton_tolerance: float = 1e-5
     cg_tolerance: float = 1e-2
+    sizing: SizingOptions | None = None
+    remesh_frames: int = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +89,7 @@ class FilmRecord:
 
     `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
     were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
-    faces, steps since the last frame, largest stretch, smallest gap [m].
+    faces, steps since the last frame, largest stretch, smallest gap [m]; `remeshings` one per remeshing.
     """
 
     steps: int = 0
@@ -96,3 +104,4 @@ class FilmRecord:
     steps_per_frame: list[int] = field(default_factory=list)
     stretch_max: list[float] = field(default_factory=list)
     min_gap: list[float] = field(default_factory=list)
+    remeshings: list[Remeshing] = field(default_factory=list)

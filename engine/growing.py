@@ -12,6 +12,8 @@ from toile.geometry.arrays import Float
 
 LEFT_BEHIND = 0.002
 """Share of the avatar's vertices that may be put in their places although cloth is there."""
+TIGHT_AFTER = 6
+"""Steps in a row in which the avatar waits before cloth counts as tight: carrying it along costs searches."""
 
 
 def grow(drape: DrapeState, target: Float, per_step: float) -> None:
@@ -28,10 +30,13 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     longest = max(float(np.linalg.norm(target - start, axis=1).max()), 1e-12)
     share = 0.0
     left = 0.0
-    waited = finishing = 0
+    waited = finishing = in_a_row = 0
+    tight = False
     while not drape.stopped():
         merge_late(drape)
         waiting = left >= plan.growth_lag or share == 1.0
+        in_a_row = in_a_row + 1 if waiting else 0
+        tight = tight or in_a_row > TIGHT_AFTER
         if left < plan.growth_lag or waited > plan.growth_patience:
             share = min(1.0, share + per_step / longest)
         else:
@@ -44,7 +49,7 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
             let_pass_crossings(drape, drape.audit())
             break
         shape = target if share == 1.0 else start + share * (target - start)
-        left = grow_avatar(drape.stepper, shape, 2.0 * per_step, carry=waiting)
+        left = grow_avatar(drape.stepper, shape, 2.0 * per_step, carry=waiting and tight)
         drape.auditor = None
         drape.take(
             StepRequest(

@@ -14,6 +14,9 @@ LEAST_GAP = 1e-4
 ENERGY_BUDGET = 0.002
 """How much they may add to the elastic energy in one pass, as a share of it."""
 
+ROUNDING = 1e-7
+"""Strain that is no more than rounding: flat cloth at rest has no energy to take a share of."""
+
 
 class PatchGate:
     """Accepts changes of patches during one pass of remeshing.
@@ -28,12 +31,13 @@ class PatchGate:
     """
 
     def __init__(self, cloth: Cloth, stepper: ClothStepper) -> None:
-        self.left = ENERGY_BUDGET * stepper.elastic_energy()
         self._weld = cloth.weld
         self._avatar = stepper.avatar
         fabrics = cloth.fabrics
         names = ("stretch_warp", "stretch_weft", "shear", "compression")
         self._stiffness = np.array([[getattr(f, name) for name in names] for f in fabrics])[cloth.fabric]
+        rounding = float((self._stiffness[:, 0] * np.abs(cloth.rest_area)).sum()) * ROUNDING**2
+        self.left = ENERGY_BUDGET * stepper.elastic_energy() + rounding
 
     def __call__(self, positions: Float, proposals: Proposals) -> Bool:
         """Tell which proposals are accepted, shape (p,); nodes beyond the cloth's are new ones."""

@@ -7,9 +7,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.engine.cloth import Cloth
+from toile.engine.cloth_run import ClothRun
 from toile.engine.patch_gate import PatchGate
+from toile.engine.remeshing_record import Remeshing
 from toile.engine.sizing_field import face_metrics
 from toile.engine.step import ClothStepper
+from toile.engine.step_request import StageClock, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.adapt import adapt
 from toile.remesh.cloth_mesh import ClothMesh
@@ -18,8 +21,19 @@ from toile.remesh.sizing import SizingOptions
 from toile.remesh.transfer import TransferMap
 from toile.remesh.vertex_tensors import vertex_tensors
 
+LEAST_AT_ONCE = 0.008
+"""Splits and collapses that are possible at once, as a share of the faces, below which no pass is made: all that
+follow from them would hardly come to `FEW`."""
+FEW_AT_ONCE = 0.004
+"""Collapses in one round, as a share of the faces, below which a pass leaves the rest to the next."""
 FEW = 0.02
 """Splits and collapses, as a share of the faces, that are not worth a new mesh: still cloth keeps its own."""
+RELAXATIONS, MATCHINGS = 2, 8
+"""Steps in which the nodes around remeshed faces settle; at most, in which they give back added energy."""
+JUMP = 3e-3
+"""Added share of the elastic energy that is left as it is."""
+HALVINGS = 10
+"""Halvings of the way to where the elastic energy is what it was."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,21 +70,95 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
     tensors = vertex_tensors(mesh, face_metrics(mesh, stepper, options))
 
     gate = PatchGate(cloth, stepper)
-    result = adapt(mesh, tensors, gate)
-    if result.splits + result.collapses <= FEW * len(cloth.faces):
+    count = len(cloth.faces)
+    result = adapt(mesh, tensors, gate, few=int(FEW_AT_ONCE * count), least=int(LEAST_AT_ONCE * count))
+    if result.splits + result.collapses <= FEW * count:
         return None
-    count = len(stepper.x)
     now = replace(cloth, positions=stepper.x, velocities=stepper.v)
     carried = carried_over(now, result.mesh, result.transfer)
     transfer = result.transfer
     return Remeshed(
         cloth=carried,
-        anchors=carried.positions - transfer.at_nodes(stepper.x - stepper.anchor[:count]),
+        anchors=carried.positions - transfer.at_nodes(stepper.x - stepper.anchor[: len(stepper.x)]),
         changed=_changed_nodes(mesh, carried, transfer),
         splits=result.splits,
         flips=result.flips,
         collapses=result.collapses,
     )
+
+
+def remesh_run(
+    run: ClothRun, options: SizingOptions, relax: StepRequest, step: int, keep_energy: bool = False
+) -> Remeshing | None:
+    """Let a run go on with a mesh that fits its cloth's present shape; None where it has one.
+
+    Then the nodes around changed faces find their places, by steps `relax` of one Newton iteration, while
+    all others stay. With `keep_energy` they do so only as far as it takes to bring the elastic energy back to
+    what it was. Velocities keep the momentum that they had. `step` is how many steps the run has made.
+    """
+    stepper = run.stepper
+    found = remeshed(run.cloth, stepper, options)
+    if found is None:
+        return None
+    old = replace(run.cloth, positions=stepper.x, velocities=stepper.v)
+    before = stepper.elastic_energy()
+    # All that it takes counts as remeshing, not as assembly or contact.
+    clock, run.clock = run.clock, StageClock(now=run.clock.now)
+    ClothRun.restart(run, found.cloth, found.anchors)
+    stepper = run.stepper
+    velocities = stepper.v
+    if not keep_energy or stepper.elastic_energy() > (1.0 + JUMP) * before:
+        _relax(
+            stepper, _around(found.cloth.face_nodes, found.changed), relax, before if keep_energy else None
+        )
+    if velocities.any():
+        after = replace(found.cloth, positions=stepper.x, velocities=velocities)
+        velocities = with_momentum_of(_motion(old), _motion(after))
+        velocities[found.cloth.pinned] = 0.0
+    stepper.v = velocities
+    run.clock = stepper.clock = clock
+    return Remeshing(
+        step=step, faces=len(found.cloth.faces), splits=found.splits, flips=found.flips,
+        collapses=found.collapses, energy_before=before, energy_after=stepper.elastic_energy(),
+    )  # fmt: skip
+
+
+def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: float | None) -> None:
+    """Let free nodes, shape (n,), find their places in still air while all others stay.
+
+    With an `energy` [J] they stop on the way where the elastic energy is that.
+    """
+    pinned, wind = stepper.pinned, stepper.wind
+    stepper.pinned = ~free if pinned is None else pinned | ~free
+    stepper.wind = None
+    for _ in range(RELAXATIONS if energy is None else MATCHINGS):
+        start = stepper.x.copy()
+        stepper.step(request)
+        if energy is not None and stepper.elastic_energy() < energy:
+            stepper.x[:] = _with_energy(stepper, start, energy)
+            break
+    stepper.pinned, stepper.wind = pinned, wind
+
+
+def _around(faces: Int, marked: Bool) -> Bool:
+    """Mark the nodes of all faces that have a marked one, shape (n,)."""
+    wider = marked.copy()
+    wider[faces[marked[faces].any(axis=1)].ravel()] = True
+    return wider
+
+
+def _with_energy(stepper: ClothStepper, start: Float, energy: float) -> Float:
+    """Return the positions between `start` and now [m] where the elastic energy falls to `energy` [J]."""
+    end = stepper.x.copy()
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        stepper.x[:] = start + middle * (end - start)
+        if stepper.elastic_energy() > energy:
+            low = middle
+        else:
+            high = middle
+    return np.asarray(start + high * (end - start))
 
 
 def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:

@@ -14,27 +14,24 @@ from toile.geometry.arrays import Float, Int
 
 GROWTH = 1.2
 """Factor on the step size after a step that went well."""
-
-BetweenFrames = Callable[["Simulation"], None]
-"""May let the film go on with another mesh, through its `restart`."""
+RELAXING = 0.25
+"""Step size in which the nodes around remeshed faces find their places [s]."""
 
 
 class Simulation(ClothRun):
     """A film in progress: call `run`.
 
     The avatar is given as (vertices, faces) and does not move. `on_frame` is called with every audited frame
-    and ends the film by returning False. `between_frames` is called before every frame's steps and
-    may `restart` the film with another mesh.
+    and ends the film by returning False.
     """
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, plan: FilmPlan,
-        on_frame: Callable[[FilmFrame], bool], between_frames: BetweenFrames | None = None,
+        on_frame: Callable[[FilmFrame], bool],
     ) -> None:  # fmt: skip
         super().__init__(cloth, avatar, plan.step, StageClock(now=process_time))
         self.plan = plan
         self.on_frame = on_frame
-        self.between_frames = between_frames
         self.record = FilmRecord()
         self._h = plan.longest_step
         self._contacts = 0
@@ -48,17 +45,24 @@ class Simulation(ClothRun):
         for _ in range(round(seconds / self.plan.frame_seconds)):
             if self.record.cancelled:
                 break
-            self._change_mesh()
+            self._remesh()
             self._advance(self.plan.frame_seconds)
             self._close_frame()
         return self.record
 
-    def _change_mesh(self) -> None:
-        """Let between_frames change the mesh."""
-        if self.between_frames is None:
+    def _remesh(self) -> None:
+        """Adapt the mesh to the cloth's present shape and motion, where the plan says so."""
+        plan, record = self.plan, self.record
+        if plan.sizing is None or (len(record.crossings) - 1) % plan.remesh_frames:
             return
+        # Its kernels are compiled for scenes that ask for it only.
+        from toile.engine.remeshing import remesh_run
+
         now = self.clock.now()
-        self.between_frames(self)
+        request = StepRequest(h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance)
+        done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
+        if done is not None:
+            record.remeshings.append(done)
         self.clock.add("remesh", now)
 
     def _advance(self, seconds: float) -> None:

@@ -9,8 +9,6 @@ from toile.engine.step_request import StepRequest
 
 LARGEST_EFFORT, GENTLE_EFFORT = 16.0, 4.0
 """Largest effort at the first attempt, which loosens most, and the second, which makes fewer new tangles."""
-HOPELESS = 0.6
-"""Share of all steps after which tangles are given up for a garment that can be unpicked."""
 
 
 def disentangle(drape: DrapeState, effort: float = 1.0) -> bool:
@@ -34,8 +32,6 @@ def relax_tangles(drape: DrapeState) -> None:
     for _ in range(plan.tangle_frames):
         if drape.stopped() or disentangle(drape, effort):
             return
-        if drape.before_passing is not None and drape.record.steps > HOPELESS * plan.max_steps:
-            break
         _draw_apart(drape, effort)
         effort = min(2.0 * effort, GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT)
     disentangle(drape)

@@ -5,13 +5,15 @@ Source of the method: Narain, Samii and O'Brien 2012, "Adaptive anisotropic reme
 
 from typing import NamedTuple
 
+import numpy as np
+
 from toile.geometry.arrays import Float
 from toile.remesh.acceptance import Accept, Gate
 from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.collapse import collapse_round
+from toile.remesh.collapse import collapse_round, collapsible
 from toile.remesh.flip import flip_edges
 from toile.remesh.mesh_in_work import MeshInWork
-from toile.remesh.split import split_round
+from toile.remesh.split import long_edges, split_round
 from toile.remesh.transfer import TransferMap
 
 
@@ -30,12 +32,16 @@ class AdaptResult(NamedTuple):
     rounds: int
 
 
-def adapt(mesh: ClothMesh, tensors: Float, accept: Accept | None = None) -> AdaptResult:
+def adapt(
+    mesh: ClothMesh, tensors: Float, accept: Accept | None = None, *, few: int = 0, least: int = 0
+) -> AdaptResult:
     """Flip, split and collapse edges until none is longer than 1 in the metric or could well be longer.
 
     `tensors` (m, 3, 3) [1/m^2] give the wanted edge length 1 / sqrt(e . M e) in direction e at every
     material vertex. Flips and collapses, which move the surface, are carried out where `accept` lets them;
-    splits leave it in place. The rest shape, and with it mass, stays exactly what it is.
+    splits leave it in place. The rest shape, and with it mass, stays exactly what it is. Batches of at most
+    `few` collapses end the pass: what they would leave undone is small, and cheaper done in the next. It ends
+    after the first flips where fewer than `least` splits and collapses could be made at once.
 
     Raises ValueError if `tensors` do not fit the mesh.
     """
@@ -44,11 +50,23 @@ def adapt(mesh: ClothMesh, tensors: Float, accept: Accept | None = None) -> Adap
     work, gate = MeshInWork.start(mesh, tensors), Gate(accept)
     splits = collapses = rounds = 0
     flips = flip_edges(work, gate)
+    if least and long_edges(work) + collapsible(work) < least:
+        return AdaptResult(*work.finish(mesh), 0, flips, 0, 0)
     while (done := split_round(work))[0]:
         splits, rounds = splits + done[0], rounds + 1
         flips += flip_edges(work, gate, done[1])
     # neither a collapse nor a flip makes an edge that would have to be split
-    while (done := collapse_round(work, gate))[0]:
-        collapses, rounds = collapses + done[0], rounds + 1
-        flips += flip_edges(work, gate, done[1])
+    last = None
+    flipped = 1
+    while flipped:
+        changed = np.zeros(len(work.faces), bool)
+        many = True
+        while many and (last := collapse_round(work, gate, last)).count:
+            collapses, rounds, many = collapses + last.count, rounds + 1, last.count > few
+            changed = changed[last.kept] | last.touched
+        flipped = flip_edges(work, gate, changed)
+        flips += flipped
+        if not many:
+            break
+        last = last._replace(touched=changed)
     return AdaptResult(*work.finish(mesh), splits, flips, collapses, rounds)

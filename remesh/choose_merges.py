@@ -1,50 +1,14 @@
 """Greedy choice of node merges that keep edges short, triangles well shaped and the surface a surface."""
 
-import math
-
 from numba import types
 
 from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, OUT_I32_1, helper, kernel
+from toile.remesh.metric import aspect, squared_size
 
 LEAST_ASPECT = 0.2
 """A merge may not make triangles worse than this, in the metric, unless they were as bad before."""
 LEAST_HEIGHT = 1e-3
 """Twice the area over the squared edges of any new triangle in rest space: away from inverted."""
-
-
-@helper
-def squared_size(tensors, a, b, x, y, z):  # type: ignore[no-untyped-def]
-    """Squared length of (x, y, z) in the mean metric of material vertices a and b."""
-    xx, yy, zz = tensors[a, 0] + tensors[b, 0], tensors[a, 1] + tensors[b, 1], tensors[a, 2] + tensors[b, 2]
-    yz, zx, xy = tensors[a, 3] + tensors[b, 3], tensors[a, 4] + tensors[b, 4], tensors[a, 5] + tensors[b, 5]
-    return 0.5 * (xx * x * x + yy * y * y + zz * z * z) + yz * y * z + zx * z * x + xy * x * y
-
-
-@helper
-def product(xx, yy, zz, yz, zx, xy, ax, ay, az, bx, by, bz):  # type: ignore[no-untyped-def]
-    """Inner product of two vectors in a metric."""
-    straight = xx * ax * bx + yy * ay * by + zz * az * bz
-    return straight + yz * (ay * bz + az * by) + zx * (az * bx + ax * bz) + xy * (ax * by + ay * bx)
-
-
-@helper
-def aspect(rest, tensors, a, b, c):  # type: ignore[no-untyped-def]
-    """Shape of a triangle in the mean metric of its corners: 1 if equilateral, 0 if flat."""
-    third = 1.0 / 3.0
-    xx = (tensors[a, 0] + tensors[b, 0] + tensors[c, 0]) * third
-    yy = (tensors[a, 1] + tensors[b, 1] + tensors[c, 1]) * third
-    zz = (tensors[a, 2] + tensors[b, 2] + tensors[c, 2]) * third
-    yz = (tensors[a, 3] + tensors[b, 3] + tensors[c, 3]) * third
-    zx = (tensors[a, 4] + tensors[b, 4] + tensors[c, 4]) * third
-    xy = (tensors[a, 5] + tensors[b, 5] + tensors[c, 5]) * third
-    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
-    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
-    uu = product(xx, yy, zz, yz, zx, xy, ux, uy, uz, ux, uy, uz)
-    vv = product(xx, yy, zz, yz, zx, xy, vx, vy, vz, vx, vy, vz)
-    uv = product(xx, yy, zz, yz, zx, xy, ux, uy, uz, vx, vy, vz)
-    area = 0.5 * math.sqrt(max(uu * vv - uv * uv, 0.0))
-    perimeter = math.sqrt(uu) + math.sqrt(vv) + math.sqrt(max(uu + vv - 2.0 * uv, 0.0))
-    return 20.784609690826528 * area / max(perimeter * perimeter, 1e-300)
 
 
 @helper
@@ -148,14 +112,16 @@ def keeps_surface(offsets, around, across, faces, node, stamps, stamp, i, j):  #
     types.int64(
         I32_1, I32_1, I32_2, I32_2, I32_1, I32_1, I32_2, I32_2, I32_1, F64_2, F64_2, F64_2, F64_1,
         types.float64,
-        OUT_BOOL_1, OUT_BOOL_1, OUT_I32_1, OUT_BOOL_1,
+        OUT_BOOL_1, OUT_BOOL_1, OUT_I32_1, OUT_BOOL_1, OUT_BOOL_1,
     )
 )  # fmt: skip
 def choose_merges(  # type: ignore[no-untyped-def]
     removed, target, vertices, target_vertices, offsets, around, across, faces, node, rest, tensors, normals,
-    aspects, longest, used, is_target, stamps, taken,
+    aspects, longest, used, is_target, stamps, taken, blocked,
 ):  # fmt: skip
     """Mark in `taken` the merges (p,) that are possible beside all earlier ones; returns how many.
+
+    In `blocked` those that touch one taken, and may be possible another time.
 
     `around[offsets[i] : offsets[i + 1]]` are the faces of node i, `across` (t, 3) is the far node across each
     side (-1: none), `aspects` (t,) are the shapes of the faces in the metric. New edges are at most `longest`
@@ -168,6 +134,7 @@ def choose_merges(  # type: ignore[no-untyped-def]
         if v0 == vertices[p, 1] and w0 != w1:
             continue
         if is_blocked(offsets, around, faces, node, used, is_target, i, j):
+            blocked[p] = True
             continue
         if not keeps_shape(
             offsets, around, faces, node, rest, tensors, normals, aspects, i, j, v0, w0, w1, longest

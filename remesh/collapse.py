@@ -1,5 +1,7 @@
 """Remove nodes where the metric wants longer edges."""
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,19 +17,51 @@ LONGEST_NEW = 0.9
 """Longest edge that a collapse may make, in the metric: well below what is split, or both would alternate."""
 
 
-def collapse_round(work: MeshInWork, gate: Gate) -> tuple[int, Bool]:
-    """Merge nodes into neighbours, no two merges touching; return how many, and which faces changed, (t,).
+class CollapseRound(NamedTuple):
+    """What a round did.
 
-    The rest shape stays exactly as it is.
+    Attributes
+    ----------
+    count
+        Number of merges.
+    touched
+        Which faces changed, shape (t,).
+    pending
+        Nodes whose merges stood in each other's way, shape (n,).
     """
+
+    count: int
+    touched: Bool
+    kept: Bool
+    pending: Bool
+
+
+def collapse_round(work: MeshInWork, gate: Gate, last: CollapseRound | None = None) -> CollapseRound:
+    """Merge nodes into neighbours, no two merges touching. The rest shape stays exactly as it is.
+
+    After the round `last`, whose touched faces must include those that flipped since, only merges near its
+    changes and those pending are looked at: all others were impossible and still are.
+    """
+    near = None if last is None else last.pending.copy()
+    if near is not None and last is not None:
+        near[work.face_nodes[last.touched].ravel()] = True
+    merges = possible_merges(work, LONGEST_NEW, near)
+    choice = _Choice(work)
     while True:
-        merges = possible_merges(work, LONGEST_NEW)
         merges = merges.where(gate.open_to(_keys(merges)))
-        merges = merges.where(_chosen(work, merges))
-        accepted = gate.passed(work.positions, _proposals(work, merges), _keys(merges))
+        taken, blocked = choice.among(merges)
+        chosen, merges = merges.where(taken), merges.where(blocked)
+        accepted = gate.passed(work.positions, _proposals(work, chosen), _keys(chosen))
         if accepted.any() or not len(accepted):
             break
-    return int(accepted.sum()), _apply(work, merges.where(accepted))
+    pending = np.zeros(len(work.positions), bool)
+    pending[merges.removed] = True
+    return CollapseRound(int(accepted.sum()), *_apply(work, chosen.where(accepted)), pending)
+
+
+def collapsible(work: MeshInWork) -> int:
+    """How many merges are possible at once."""
+    return int(_Choice(work).among(possible_merges(work, LONGEST_NEW))[0].sum())
 
 
 def _keys(merges: Merges) -> npt.NDArray[np.int64]:
@@ -35,23 +69,31 @@ def _keys(merges: Merges) -> npt.NDArray[np.int64]:
     return np.asarray(~(merges.removed.astype(np.int64) << 32 | merges.target.astype(np.int64)))
 
 
-def _chosen(work: MeshInWork, merges: Merges) -> Bool:
-    """Take merges in order that can be done at once, shape (k,)."""
-    taken = np.zeros(len(merges.removed), bool)
-    if len(taken):
+class _Choice:
+    """Chooses merges that can be done at once on a mesh that stays as it is meanwhile."""
+
+    def __init__(self, work: MeshInWork) -> None:
+        self._work = work
         face_nodes = work.face_nodes
         corners = face_nodes.ravel()
-        offsets = np.zeros(len(work.positions) + 1, np.int32)
-        np.cumsum(np.bincount(corners, minlength=len(work.positions)), out=offsets[1:])
-        around = (np.argsort(corners, kind="stable") // 3).astype(np.int32)
-        across = _far_nodes(work.edges, face_nodes)
-        stamps = np.full(len(work.positions), -1, np.int32)
-        used, is_target = np.zeros(len(work.faces), bool), np.zeros(len(work.positions), bool)
-        choose_merges(
-            *merges, offsets, around, across, work.faces, work.node, work.rest, work.tensors, work.normals,
-            metric_aspects(work.faces, work.rest, work.tensors), LONGEST_NEW, used, is_target, stamps, taken,
-        )  # fmt: skip
-    return taken
+        self._offsets = np.zeros(len(work.positions) + 1, np.int32)
+        np.cumsum(np.bincount(corners, minlength=len(work.positions)), out=self._offsets[1:])
+        self._around = (np.argsort(corners, kind="stable") // 3).astype(np.int32)
+        self._across = _far_nodes(work.edges, face_nodes)
+        self._aspects = metric_aspects(work.faces, work.rest, work.tensors)
+
+    def among(self, merges: Merges) -> tuple[Bool, Bool]:
+        """Take merges in order; those taken, and those that one taken stands in the way of, shapes (k,)."""
+        work = self._work
+        taken, blocked = np.zeros((2, len(merges.removed)), bool)
+        if len(taken):
+            choose_merges(
+                *merges, self._offsets, self._around, self._across, work.faces, work.node, work.rest,
+                work.tensors, work.normals, self._aspects, LONGEST_NEW, np.zeros(len(work.faces), bool),
+                np.zeros(len(work.positions), bool), np.full(len(work.positions), -1, np.int32), taken,
+                blocked,
+            )  # fmt: skip
+        return taken, blocked
 
 
 def _far_nodes(edges: MeshEdges, face_nodes: Int) -> Int:
@@ -98,15 +140,15 @@ def _proposals(work: MeshInWork, merges: Merges) -> Proposals:
     )
 
 
-def _apply(work: MeshInWork, merges: Merges) -> Bool:
+def _apply(work: MeshInWork, merges: Merges) -> tuple[Bool, Bool]:
     """Carry merges out; returns which of the remaining faces changed, shape (t,)."""
     faces, owner, heir = _after(work, merges)
     if not len(merges.removed):
-        return np.zeros(len(faces), bool)
+        return np.zeros(len(faces), bool), np.ones(len(faces), bool)
     living = ~((owner >= 0) & _collapsed(work.node[faces]))
     work.faces = faces
     work.keep_faces(living)
     work.node_alive[merges.removed] = False
     work.vertex_alive[heir != np.arange(len(heir))] = False
     work.forget_edges()
-    return np.asarray(owner[living] >= 0)
+    return np.asarray(owner[living] >= 0), living

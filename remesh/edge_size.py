@@ -1,12 +1,12 @@
 """Lengths and shapes of edges and triangles measured in the metric: 1 is as long as wanted."""
 
-import math
-
 import numpy as np
+from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.remesh.mesh_edges import SEAM, TANGLED, MeshEdges, corner_after
-from toile.remesh.packed_tensor import inner_product
+from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, kernel
+from toile.remesh.mesh_edges import MeshEdges
+from toile.remesh.metric import aspect, squared_size
 
 LONGEST = 1.0
 """Edges longer than this, in the metric, are split."""
@@ -18,29 +18,28 @@ def edge_sizes(faces: Int, rest: Float, tensors: Float, edges: MeshEdges) -> Flo
     `tensors` are packed, shape (m, 6).
     """
     squared = np.zeros(len(edges.nodes))
-    for slot, chosen in enumerate((np.arange(len(squared)), np.flatnonzero(edges.kind == SEAM))):
-        here = _squared_sizes(faces, rest, tensors, edges.faces[chosen, slot], edges.sides[chosen, slot])
-        squared[chosen] = np.maximum(squared[chosen], here)
-    if (edges.kind == TANGLED).any():
-        flat = np.flatnonzero(edges.kind[edges.face_edges] == TANGLED).astype(np.int32)
-        here = _squared_sizes(faces, rest, tensors, flat // 3, flat % 3)
-        np.maximum.at(squared, edges.face_edges.ravel()[flat], here)
+    _squared_sizes(faces, edges.face_edges, rest, tensors, squared)
     return np.sqrt(squared)
 
 
-def _squared_sizes(faces: Int, rest: Float, tensors: Float, face: Int, side: Int) -> Float:
-    """Squared length of sides in the mean metric of their ends, shape (k,)."""
-    p, q = corner_after(faces, face, side, 1), corner_after(faces, face, side, 2)
-    along = rest[q] - rest[p]
-    return inner_product(0.5 * (tensors[p] + tensors[q]), along, along)
+@kernel(types.void(I32_2, I32_2, F64_2, F64_2, OUT_F64_1))
+def _squared_sizes(faces, face_edges, rest, tensors, squared):  # type: ignore[no-untyped-def]
+    for t in range(len(faces)):
+        for k in range(3):
+            p, q = faces[t, (k + 1) % 3], faces[t, (k + 2) % 3]
+            x, y, z = rest[q, 0] - rest[p, 0], rest[q, 1] - rest[p, 1], rest[q, 2] - rest[p, 2]
+            e = face_edges[t, k]
+            squared[e] = max(squared[e], squared_size(tensors, p, q, x, y, z))
 
 
 def metric_aspects(faces: Int, rest: Float, tensors: Float) -> Float:
     """Shape of every triangle in the mean metric of its corners: 1 if equilateral, 0 if flat; shape (t,)."""
-    a, b, c = faces.T
-    mean = (tensors[a] + tensors[b] + tensors[c]) / 3.0
-    u, v = rest[b] - rest[a], rest[c] - rest[a]
-    uu, vv, uv = inner_product(mean, u, u), inner_product(mean, v, v), inner_product(mean, u, v)
-    area = 0.5 * np.sqrt(np.maximum(uu * vv - uv * uv, 0.0))
-    perimeter = np.sqrt(uu) + np.sqrt(vv) + np.sqrt(np.maximum(uu + vv - 2.0 * uv, 0.0))
-    return np.asarray(12.0 * math.sqrt(3.0) * area / np.maximum(perimeter * perimeter, 1e-300))
+    shapes = np.empty(len(faces))
+    _aspects(faces, rest, tensors, shapes)
+    return shapes
+
+
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1))
+def _aspects(faces, rest, tensors, shapes):  # type: ignore[no-untyped-def]
+    for t in range(len(faces)):
+        shapes[t] = aspect(rest, tensors, faces[t, 0], faces[t, 1], faces[t, 2])

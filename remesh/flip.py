@@ -5,11 +5,10 @@ import numpy as np
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.acceptance import Gate, Proposals
 from toile.remesh.disjoint_pairs import first_disjoint
-from toile.remesh.edge_size import LONGEST, metric_aspects
+from toile.remesh.edge_size import LONGEST
+from toile.remesh.judge_flips import judge_flips
 from toile.remesh.mesh_edges import INNER, MeshEdges, corner_after, in_sorted, pair_keys
 from toile.remesh.mesh_in_work import MeshInWork
-from toile.remesh.packed_tensor import inner_product
-from toile.remesh.row_products import row_cross, row_dot
 
 FLIP_MARGIN = 0.05
 """Sine of the angle by which opposite angles must exceed 180 degrees together: near a tie nothing flips, or
@@ -22,8 +21,8 @@ WELL_SHAPED = 0.2
 def flip_edges(work: MeshInWork, gate: Gate, touched: Bool | None = None) -> int:
     """Flip until the edges are Delaunay in the metric; returns the number of flips.
 
-    With `touched`, shape (t,), starts from the edges of these faces only. An edge once flipped away is not
-    made again, so this ends.
+    With `touched`, shape (t,), starts from the edges of these faces only, and marks in it the faces it
+    changes. An edge once flipped away is not made again, so this ends.
     """
     edges = work.edges
     active = np.flatnonzero(edges.kind == INNER).astype(np.int32)
@@ -33,7 +32,10 @@ def flip_edges(work: MeshInWork, gate: Gate, touched: Bool | None = None) -> int
     while len(active):
         flipped = _flip_round(work, gate, active)
         flips += len(flipped)
-        active = _edges_of(edges, edges.faces[flipped].ravel())
+        changed = edges.faces[flipped].ravel()
+        if touched is not None:
+            touched[changed] = True
+        active = _edges_of(edges, changed)
     return flips
 
 
@@ -50,8 +52,8 @@ def _flip_round(work: MeshInWork, gate: Gate, active: Int) -> Int:
     fixed = (edges.kind != INNER) | edges.creased | edges.frozen
     active = active[~fixed[active]]
     quads = _quads(work.faces, edges, active)
-    excess = _excess(work, quads, edges.faces[active, 0])
-    chosen = np.flatnonzero(excess > FLIP_MARGIN)
+    excess = _excess(work, quads, active)
+    chosen = np.flatnonzero(excess > -np.inf)
     chosen = chosen[_allowed(work, gate, quads[chosen], active[chosen])]
     chosen = chosen[np.argsort(-excess[chosen], kind="stable")]
     chosen = chosen[first_disjoint(edges.faces[active[chosen]], len(work.faces))]
@@ -72,34 +74,15 @@ def _quads(faces: Int, edges: MeshEdges, chosen: Int) -> Int:
     return np.stack(corners, axis=1)
 
 
-def _excess(work: MeshInWork, quads: Int, face: Int) -> Float:
-    """Minus the sine of the sum of the angles at a and d, in the mean metric of the four; shape (k,).
-
-    Positive if bc is not Delaunay (Bossen and Heckbert 1996).
-    """
-    a, b, c, d = quads.T
-    warp, weft = work.frames[face].transpose(2, 0, 1)
-    mean = 0.25 * (work.tensors[a] + work.tensors[b] + work.tensors[c] + work.tensors[d])
-    uu, vv = inner_product(mean, warp, warp), inner_product(mean, weft, weft)
-    uv = inner_product(mean, warp, weft)
-    # Cholesky factor of the metric: it maps the plane to where wanted edges have length 1.
-    p = np.sqrt(np.maximum(uu, 1e-300))
-    q = uv / p
-    r = np.sqrt(np.maximum(vv - q * q, 0.0))
-
-    def mapped(start: Int, end: Int) -> tuple[Float, Float]:
-        along = work.rest[end] - work.rest[start]
-        x, y = row_dot(along, warp), row_dot(along, weft)
-        return p * x + q * y, r * y
-
-    abx, aby = mapped(a, b)
-    acx, acy = mapped(a, c)
-    dbx, dby = mapped(d, b)
-    dcx, dcy = mapped(d, c)
-    cos_a, sin_a = abx * acx + aby * acy, abx * acy - aby * acx
-    cos_d, sin_d = dcx * dbx + dcy * dby, dcx * dby - dcy * dbx
-    lengths = np.sqrt((cos_a * cos_a + sin_a * sin_a) * (cos_d * cos_d + sin_d * sin_d))
-    return np.asarray(-(sin_a * cos_d + cos_a * sin_d) / np.maximum(lengths, 1e-300))
+def _excess(work: MeshInWork, quads: Int, flipping: Int) -> Float:
+    """By how much edges should flip, shape (k,); see `judge_flips`."""
+    excess = np.empty(len(quads))
+    pair = work.edges.faces[flipping]
+    judge_flips(
+        quads, np.ascontiguousarray(pair[:, 0]), work.faces[pair].reshape(-1, 6), work.rest, work.tensors,
+        work.frames, work.normals, FLIP_MARGIN, LONGEST, WELL_SHAPED, excess,
+    )  # fmt: skip
+    return excess
 
 
 def _new_faces(quads: Int) -> Int:
@@ -108,27 +91,11 @@ def _new_faces(quads: Int) -> Int:
 
 
 def _allowed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:
-    """Tell which flips make a new edge that need not be split and no bad triangle, shape (k,)."""
+    """Tell which flips make an edge that is not there yet and have not been refused, shape (k,)."""
     a, d = work.node[quads[:, 0]], work.node[quads[:, 3]]
     ends = work.edges.nodes[flipping]
     allowed = (a != d) & ~in_sorted(pair_keys(a, d), work.edges.keys)
-    allowed &= gate.open_to(pair_keys(ends[:, 0], ends[:, 1]))
-    allowed &= _size(work, quads[:, 0], quads[:, 3]) <= np.maximum(LONGEST, _size(work, *quads[:, 1:3].T))
-    face = work.edges.faces[flipping]
-    new = _new_faces(quads).reshape(-1, 3)
-    normal = work.normals[np.repeat(face[:, 0], 2)]
-    ab, ac = work.rest[new[:, 1]] - work.rest[new[:, 0]], work.rest[new[:, 2]] - work.rest[new[:, 0]]
-    upright = row_dot(row_cross(ab, ac), normal) > 0.0
-    aspect = metric_aspects(new, work.rest, work.tensors) * upright
-    old = metric_aspects(work.faces[face.ravel()], work.rest, work.tensors)
-    worst_new, worst_old = aspect.reshape(-1, 2).min(axis=1), old.reshape(-1, 2).min(axis=1)
-    return np.asarray(allowed & (worst_new > 0.0) & (worst_new >= np.minimum(WELL_SHAPED, worst_old)))
-
-
-def _size(work: MeshInWork, p: Int, q: Int) -> Float:
-    """Length in the metric between material vertices p and q, shape (k,)."""
-    along = work.rest[q] - work.rest[p]
-    return np.sqrt(inner_product(0.5 * (work.tensors[p] + work.tensors[q]), along, along))
+    return np.asarray(allowed & gate.open_to(pair_keys(ends[:, 0], ends[:, 1])))
 
 
 def _passed(work: MeshInWork, gate: Gate, quads: Int, flipping: Int) -> Bool:

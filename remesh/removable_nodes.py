@@ -40,11 +40,17 @@ class Merges(NamedTuple):
         return Merges(*(values[chosen] for values in self))
 
 
-def possible_merges(work: MeshInWork, longest: float) -> Merges:
-    """List the merges along edges up to `longest` in the metric that leave the rest shape as it is."""
+def possible_merges(work: MeshInWork, longest: float, near: Bool | None = None) -> Merges:
+    """List the merges along edges up to `longest` in the metric that leave the rest shape as it is.
+
+    With `near`, shape (n,), only along edges with an end at one of these nodes.
+    """
     edges = work.edges
     size = edge_sizes(work.faces, work.rest, work.tensors, edges)
-    short = np.flatnonzero((size <= longest) & ~edges.frozen & (edges.kind != TANGLED))
+    looked_at = (size <= longest) & ~edges.frozen & (edges.kind != TANGLED)
+    if near is not None:
+        looked_at &= near[edges.nodes].any(axis=1)
+    short = np.flatnonzero(looked_at)
     inside, on_line = _removable(work)
     line = _is_line(edges)[short]
     ends = edges.nodes[short]

@@ -13,6 +13,12 @@ BESIDE = 0.75
 """Sides of a triangle are not split if they are shorter than this share of a side that must stay."""
 
 
+def long_edges(work: MeshInWork) -> int:
+    """How many edges are too long and can be split."""
+    size = edge_sizes(work.faces, work.rest, work.tensors, work.edges)
+    return int(np.count_nonzero((size > LONGEST) & ~_must_stay(work.edges, size)))
+
+
 def split_round(work: MeshInWork) -> tuple[int, Bool]:
     """Halve the longest edges that share no face; return how many, and which faces changed, shape (t,).
 

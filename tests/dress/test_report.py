@@ -24,6 +24,11 @@ FIGURES = DrapeFigures(
     weft_strain_max=2.0,
     strain_p99=0.5,
     residual=float("inf"),
+    remeshings=2,
+    splits=30,
+    flips=20,
+    collapses=10,
+    energy_jump_max=0.001,
     stage_seconds={"solve": 1.0, "io": 0.25},
 )
 
@@ -61,6 +66,9 @@ def test_every_promised_key_is_there() -> None:
     assert report["stage_seconds"]["io"] == 0.75
     assert report["stage_seconds"]["compile"] == 0.125
     assert report["contacts_max"] == 5
+    assert report["remeshing"] == {
+        "passes": 2, "splits": 30, "flips": 20, "collapses": 10, "energy_jump_max": 0.001,
+    }  # fmt: skip
 
 
 def test_json_has_no_infinities() -> None:

@@ -1,0 +1,33 @@
+"""What one remeshing of a run did."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remeshing:
+    """One remeshing.
+
+    Attributes
+    ----------
+    step
+        Steps of the run before it.
+    faces
+        Faces after it.
+    splits, flips, collapses
+        What was done.
+    energy_before, energy_after
+        Elastic energy before it, and after the nodes of changed faces found their places [J].
+    """
+
+    step: int
+    faces: int
+    splits: int
+    flips: int
+    collapses: int
+    energy_before: float
+    energy_after: float
+
+    @property
+    def energy_jump(self) -> float:
+        """Change of elastic energy, as a share of it."""
+        return (self.energy_after - self.energy_before) / max(self.energy_before, 1e-300)

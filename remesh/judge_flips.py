@@ -1,0 +1,109 @@
+"""Which edges should flip: not Delaunay in the metric, and better so."""
+
+import math
+
+import numpy as np
+from numba import types
+
+from toile.geometry.kernel import F64_2, F64_3, I32_1, I32_2, OUT_F64_1, helper, kernel
+from toile.remesh.metric import aspect, product, squared_size
+
+
+@helper
+def mapped(rest, frames, t, p, q, r, start, end):  # type: ignore[no-untyped-def]
+    """Where the edge from `start` to `end` lies in the plane in which wanted edges have length 1."""
+    x, y = 0.0, 0.0
+    for axis in range(3):
+        along = rest[end, axis] - rest[start, axis]
+        x += along * frames[t, axis, 0]
+        y += along * frames[t, axis, 1]
+    return p * x + q * y, r * y
+
+
+@helper
+def delaunay_excess(rest, tensors, frames, t, a, b, c, d):  # type: ignore[no-untyped-def]
+    """Minus the sine of the sum of the angles at a and d, in the mean metric of the four corners.
+
+    Positive if bc is not Delaunay (Bossen and Heckbert 1996).
+    """
+    xx, yy, zz, yz, zx, xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for v in (a, b, c, d):
+        xx += 0.25 * tensors[v, 0]
+        yy += 0.25 * tensors[v, 1]
+        zz += 0.25 * tensors[v, 2]
+        yz += 0.25 * tensors[v, 3]
+        zx += 0.25 * tensors[v, 4]
+        xy += 0.25 * tensors[v, 5]
+    wx, wy, wz = frames[t, 0, 0], frames[t, 1, 0], frames[t, 2, 0]
+    fx, fy, fz = frames[t, 0, 1], frames[t, 1, 1], frames[t, 2, 1]
+    uu = product(xx, yy, zz, yz, zx, xy, wx, wy, wz, wx, wy, wz)
+    uv = product(xx, yy, zz, yz, zx, xy, wx, wy, wz, fx, fy, fz)
+    vv = product(xx, yy, zz, yz, zx, xy, fx, fy, fz, fx, fy, fz)
+    # Cholesky factor of the metric
+    p = math.sqrt(max(uu, 1e-300))
+    q = uv / p
+    r = math.sqrt(max(vv - q * q, 0.0))
+    abx, aby = mapped(rest, frames, t, p, q, r, a, b)
+    acx, acy = mapped(rest, frames, t, p, q, r, a, c)
+    dbx, dby = mapped(rest, frames, t, p, q, r, d, b)
+    dcx, dcy = mapped(rest, frames, t, p, q, r, d, c)
+    cos_a, sin_a = abx * acx + aby * acy, abx * acy - aby * acx
+    cos_d, sin_d = dcx * dbx + dcy * dby, dcx * dby - dcy * dbx
+    lengths = math.sqrt((cos_a * cos_a + sin_a * sin_a) * (cos_d * cos_d + sin_d * sin_d))
+    return -(sin_a * cos_d + cos_a * sin_d) / max(lengths, 1e-300)
+
+
+@helper
+def edge_length(rest, tensors, p, q):  # type: ignore[no-untyped-def]
+    """Squared length in the metric between material vertices p and q."""
+    x, y, z = rest[q, 0] - rest[p, 0], rest[q, 1] - rest[p, 1], rest[q, 2] - rest[p, 2]
+    return squared_size(tensors, p, q, x, y, z)
+
+
+@helper
+def upright(rest, normals, t, a, b, c):  # type: ignore[no-untyped-def]
+    """Whether triangle abc faces the way of the normal of face t."""
+    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
+    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
+    return (
+        normals[t, 0] * (uy * vz - uz * vy)
+        + normals[t, 1] * (uz * vx - ux * vz)
+        + normals[t, 2] * (ux * vy - uy * vx)
+    ) > 0.0
+
+
+@kernel(
+    types.void(
+        I32_2, I32_1, I32_2, F64_2, F64_2, F64_3, F64_2, types.float64, types.float64, types.float64,
+        OUT_F64_1,
+    )
+)  # fmt: skip
+def judge_flips(  # type: ignore[no-untyped-def]
+    quads, face, faces_across, rest, tensors, frames, normals, margin, longest, well_shaped, excess
+):
+    """Write by how much edges bc should flip; minus infinity where they should not, or must not.
+
+    `quads` (k, 4) are the corners a, b, c, d of faces abc and dcb. A flip is worth it where the sine exceeds
+    `margin`; it must make neither an edge longer than `longest` in the metric, unless bc is longer, nor a
+    triangle worse than `well_shaped`, unless one was worse before, nor one upside down. `face` is the one
+    whose plane counts, shape (k,), `faces_across` (k, 6) the corners of both faces as they are.
+    """
+    for i in range(len(quads)):
+        a, b, c, d = quads[i, 0], quads[i, 1], quads[i, 2], quads[i, 3]
+        t = face[i]
+        excess[i] = -np.inf
+        value = delaunay_excess(rest, tensors, frames, t, a, b, c, d)
+        if not value > margin:
+            continue
+        limit = max(longest * longest, edge_length(rest, tensors, b, c))
+        if edge_length(rest, tensors, a, d) > limit:
+            continue
+        if not (upright(rest, normals, t, a, b, d) and upright(rest, normals, t, a, d, c)):
+            continue
+        new = min(aspect(rest, tensors, a, b, d), aspect(rest, tensors, a, d, c))
+        old = min(
+            aspect(rest, tensors, faces_across[i, 0], faces_across[i, 1], faces_across[i, 2]),
+            aspect(rest, tensors, faces_across[i, 3], faces_across[i, 4], faces_across[i, 5]),
+        )
+        if new > 0.0 and new >= min(well_shaped, old):
+            excess[i] = value
