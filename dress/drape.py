@@ -208,6 +208,7 @@ def _outcome(
         flips=sum(done.flips for done in record.remeshings),
         collapses=sum(done.collapses for done in record.remeshings),
         energy_jump_max=max((done.energy_jump for done in record.remeshings), default=0.0),
+        pop=record.pop,
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(

@@ -97,6 +97,8 @@ class DrapeFigures:
         How often the mesh was adapted, and what was done in all.
     energy_jump_max
         Largest rise of the elastic energy in a remeshing, as a share of it; 0 if there was none.
+    pop
+        Farthest that a node moved in the step after a remeshing of cloth at rest [m].
     stage_seconds
         Wall time per stage [s]; stages that a scene did not need are missing.
     """
@@ -122,6 +124,7 @@ class DrapeFigures:
     flips: int
     collapses: int
     energy_jump_max: float
+    pop: float
     stage_seconds: dict[str, float] = field(default_factory=dict)
 
 

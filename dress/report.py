@@ -40,7 +40,7 @@ def drape_report(
         if failure is None
         else {"class": failure.kind, "message": failure.message, "where": failure.where},
         "quality": quality,
-        "edge_length": options.edge_length,
+        "edge_length": options.edge_length if options.sizing is None else options.sizing.size_min,
         "tolerance": options.tolerance,
         "frames": figures.frames,
         "simulated_seconds": figures.simulated_seconds,
@@ -68,6 +68,7 @@ def drape_report(
             "flips": figures.flips,
             "collapses": figures.collapses,
             "energy_jump_max": figures.energy_jump_max,
+            "pop_mm": 1e3 * figures.pop,
         },
         "avatar": avatar,
         "garments": garments,

@@ -137,7 +137,8 @@ class DrapeRecord:
     """What a drape did.
 
     `crossings` counts crossing pairs (avatar, cloth) per audited frame; `settled_crossings` only those of
-    output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies.
+    output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies. `pop`
+    is the farthest that a node moved in the step after a remeshing of cloth at rest [m].
     """
 
     steps: int = 0
@@ -154,3 +155,4 @@ class DrapeRecord:
     node_counts: list[int] = field(default_factory=list)
     first_faces: int = 0
     remeshings: list[Remeshing] = field(default_factory=list)
+    pop: float = 0.0

@@ -35,7 +35,7 @@ class FilmPlan:
     sizing
         How fine the mesh should be as the cloth moves; None keeps it as it is.
     remesh_frames
-        Frames between two remeshings.
+        Frames between two remeshings at least.
     """
 
     step: StepOptions
@@ -48,7 +48,7 @@ class FilmPlan:
     newton_tolerance: float = 1e-5
     cg_tolerance: float = 1e-2
     sizing: SizingOptions | None = None
-    remesh_frames: int = 10
+    remesh_frames: int = 5
 
 
 @dataclass(frozen=True, kw_only=True)

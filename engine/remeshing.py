@@ -22,8 +22,8 @@ from toile.remesh.transfer import TransferMap
 from toile.remesh.vertex_tensors import vertex_tensors
 
 LEAST_AT_ONCE = 0.008
-"""Splits and collapses that are possible at once, as a share of the faces, below which no pass is made: all that
-follow from them would hardly come to `FEW`."""
+"""Splits and collapses that are possible at once, as a share of the faces, below which no pass is made: all
+that follow from them would hardly come to `FEW`."""
 FEW_AT_ONCE = 0.004
 """Collapses in one round, as a share of the faces, below which a pass leaves the rest to the next."""
 FEW = 0.02

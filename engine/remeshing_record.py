@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+NOISE = 1e-7
+"""Elastic energy [J] below which changes do not count: that of a letter's weight lifted by 2 micrometres."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Remeshing:
@@ -29,5 +32,5 @@ class Remeshing:
 
     @property
     def energy_jump(self) -> float:
-        """Change of elastic energy, as a share of it."""
-        return (self.energy_after - self.energy_before) / max(self.energy_before, 1e-300)
+        """Change of elastic energy, as a share of it; of `NOISE`, where there is less."""
+        return (self.energy_after - self.energy_before) / max(self.energy_before, NOISE)

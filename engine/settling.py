@@ -46,6 +46,7 @@ def settle(drape: DrapeState) -> None:
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
     span, share = 0.0, 1.0
+    remeshed_at_rest = False
     while not drape.stopped():
         if merge_late(drape):
             drape.phase = "sewing"
@@ -59,6 +60,9 @@ def settle(drape: DrapeState) -> None:
                 move_share=share,
             )
         )  # fmt: skip
+        if remeshed_at_rest:
+            record.pop = max(record.pop, float(outcome.moved.max()))
+            remeshed_at_rest = False
         peak = float(np.quantile(outcome.moved, 0.999))
         span += share * h
         undone = _undoes(drape.stepper.x - here, last)
@@ -79,9 +83,11 @@ def settle(drape: DrapeState) -> None:
                 record.rms_motion < full * plan.rms_motion and record.peak_motion < full * plan.peak_motion
             )
             span = 0.0
-            if drape.needs_remeshing(record.converged) and drape.remesh():
+            settled = record.converged
+            if drape.needs_remeshing(settled) and drape.remesh():
                 before, record.converged = drape.stepper.x.copy(), False
                 here, last = before, np.zeros_like(before)
+                remeshed_at_rest = settled
             if record.converged:
                 break
 

@@ -14,6 +14,8 @@ from toile.geometry.arrays import Float, Int
 
 GROWTH = 1.2
 """Factor on the step size after a step that went well."""
+MOVED = 1.0
+"""RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
 RELAXING = 0.25
 """Step size in which the nodes around remeshed faces find their places [s]."""
 
@@ -33,6 +35,7 @@ class Simulation(ClothRun):
         self.plan = plan
         self.on_frame = on_frame
         self.record = FilmRecord()
+        self._meshed_at = cloth.positions
         self._h = plan.longest_step
         self._contacts = 0
         self._min_gap = inf
@@ -51,9 +54,13 @@ class Simulation(ClothRun):
         return self.record
 
     def _remesh(self) -> None:
-        """Adapt the mesh to the cloth's present shape and motion, where the plan says so."""
+        """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed."""
         plan, record = self.plan, self.record
         if plan.sizing is None or (len(record.crossings) - 1) % plan.remesh_frames:
+            return
+        away = self.stepper.x - self._meshed_at
+        away -= away.mean(axis=0)
+        if record.steps and float(np.sqrt((away**2).sum() / len(away))) < MOVED * plan.sizing.size_min:
             return
         # Its kernels are compiled for scenes that ask for it only.
         from toile.engine.remeshing import remesh_run
@@ -63,6 +70,7 @@ class Simulation(ClothRun):
         done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
         if done is not None:
             record.remeshings.append(done)
+        self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", now)
 
     def _advance(self, seconds: float) -> None:

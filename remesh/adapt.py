@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Bool, Float
 from toile.remesh.acceptance import Accept, Gate
 from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.collapse import collapse_round, collapsible
+from toile.remesh.collapse import CollapseRound, collapse_round, collapsible
 from toile.remesh.flip import flip_edges
 from toile.remesh.mesh_in_work import MeshInWork
 from toile.remesh.split import long_edges, split_round
@@ -56,17 +56,32 @@ def adapt(
         splits, rounds = splits + done[0], rounds + 1
         flips += flip_edges(work, gate, done[1])
     # neither a collapse nor a flip makes an edge that would have to be split
-    last = None
-    flipped = 1
-    while flipped:
-        changed = np.zeros(len(work.faces), bool)
-        many = True
-        while many and (last := collapse_round(work, gate, last)).count:
-            collapses, rounds, many = collapses + last.count, rounds + 1, last.count > few
-            changed = changed[last.kept] | last.touched
+    last: CollapseRound | None = None
+    while True:
+        batches, last, changed = _collapse(work, gate, last, few)
+        collapses, rounds = collapses + sum(batches), rounds + len(batches)
         flipped = flip_edges(work, gate, changed)
         flips += flipped
-        if not many:
+        if not flipped or (batches and batches[-1] <= few):
             break
         last = last._replace(touched=changed)
     return AdaptResult(*work.finish(mesh), splits, flips, collapses, rounds)
+
+
+def _collapse(
+    work: MeshInWork, gate: Gate, last: CollapseRound | None, few: int
+) -> tuple[list[int], CollapseRound, Bool]:
+    """Collapse until nothing is left to do, or at most `few` at once.
+
+    Returns the sizes of the batches, the last one, and the faces that changed in any, shape (t,).
+    """
+    changed = np.zeros(len(work.faces), bool)
+    batches: list[int] = []
+    while True:
+        last = collapse_round(work, gate, last)
+        changed = changed[last.kept] | last.touched
+        if not last.merged:
+            return batches, last, changed
+        batches.append(last.merged)
+        if last.merged <= few:
+            return batches, last, changed

@@ -22,15 +22,17 @@ class CollapseRound(NamedTuple):
 
     Attributes
     ----------
-    count
+    merged
         Number of merges.
     touched
-        Which faces changed, shape (t,).
+        Which of the faces that are left changed, shape (t,).
+    kept
+        Which of the faces before are left, shape (t',).
     pending
         Nodes whose merges stood in each other's way, shape (n,).
     """
 
-    count: int
+    merged: int
     touched: Bool
     kept: Bool
     pending: Bool

@@ -22,7 +22,7 @@ FINEST = {"sphere": 0.0125, "flag": 0.02, "hang": 0.0125, "shirt": 0.010}
 """Finest edges of every scene [m]."""
 CHAOTIC = {"flag"}
 """Scenes whose final surface depends on every digit: their drape coefficient is compared."""
-START = 8.0
+START = 4.0
 """Edge length of the mesh that an adaptive film starts from, in finest edges."""
 REFINE_ANGLE = 0.5
 """Turn of the surface per edge that adaptive meshes aim at [rad]."""
@@ -143,7 +143,8 @@ def table(rows: list[Row]) -> str:
             f"{row.scene:8}{cells}",
             f"        CPU s: uniform {row.cpu_uniform:.1f}, twice the edges {row.cpu_coarse:.1f}, adaptive "
             f"{row.cpu_adaptive:.1f} (spread {100 * row.cpu_spread:.0f} %), "
-            f"reference {row.cpu_reference:.1f}; faces: uniform {row.faces_uniform:.0f}, adaptive {row.faces_adaptive:.0f}",
+            f"reference {row.cpu_reference:.1f}; faces: uniform {row.faces_uniform:.0f}, "
+            f"adaptive {row.faces_adaptive:.0f}",
             f"        error ({row.error_unit}): uniform {row.error_uniform:.3g}, twice the edges "
             f"{row.error_coarse:.3g}, adaptive {row.error_adaptive:.3g}; largest fall of the elastic energy "
             f"in a remeshing {100 * row.energy_drop:.1f} %",

@@ -71,6 +71,12 @@ class FakeDrape:
             weft_strain_max=2.5,
             strain_p99=1.0,
             residual=np.float64(0.001),
+            remeshings=0,
+            splits=0,
+            flips=0,
+            collapses=0,
+            energy_jump_max=0.0,
+            pop=0.0,
             stage_seconds={"solve": 0.25, "io": 0.5},
         )
         failure = Failure(kind="Stuck", message="cannot move", where="panel front")

@@ -15,6 +15,7 @@ import trimesh
 import toile
 from toile.dress.avatar import Avatar
 from toile.dress.cli import main
+from toile.dress.kernels import REMESH_KERNELS
 from toile.dress.quality import quality_preset
 
 FakeDrapes = Callable[..., Any]
@@ -69,7 +70,7 @@ def test_outputs(
     ((avatar, [(mesh, fabric)], asked),) = fake.calls
     assert fabric.name == "canvas"
     assert asked.max_frames == 9
-    assert asked.edge_length == quality_preset("preview").edge_length
+    assert asked.sizing.size_min == quality_preset("preview").edge_length
     assert avatar.vertices[:, 1].max() == pytest.approx(1.7, abs=0.01)
     # The garment's files are in the avatar file's units and axes, dressed.glb is in metres, Y up.
     written = trimesh.load(out / "shirt.ply", process=False)
@@ -80,6 +81,32 @@ def test_outputs(
     assert scene.geometry["shirt"].bounds[:, 1] == pytest.approx([0.8, 1.2])
     assert np.allclose(mesh.positions[:, 1].min(), 0.8)
     assert "converged after 6 frames" in capsys.readouterr().out
+
+
+def test_no_remesh_keeps_the_mesh_and_loads_no_kernels_for_it(
+    tmp_path: Path, body: Path, shirt: Path, fake_drape: FakeDrapes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loaded: list[str] = []
+    monkeypatch.setattr("toile.dress.dress.load_kernels", loaded.extend)
+    fake = fake_drape()
+    options = (
+        "--avatar",
+        body,
+        "--garment",
+        shirt,
+        "--quality",
+        "preview",
+        "-o",
+        tmp_path / "out",
+        "--quiet",
+    )
+    assert dress(*options, "--no-remesh") == 0
+    ((_, _, asked),) = fake.calls
+    assert asked.sizing is None
+    assert asked.edge_length == quality_preset("preview").edge_length
+    assert loaded and not set(loaded) & set(REMESH_KERNELS)
+    assert dress(*options) == 0
+    assert fake.calls[1][2].sizing is not None and set(REMESH_KERNELS) <= set(loaded)
 
 
 def test_scene_file_and_options_that_win(
@@ -97,7 +124,7 @@ def test_scene_file_and_options_that_win(
     ((_, garments, asked),) = fake.calls
     assert [mesh.name for mesh, _ in garments] == ["shirt", "shirt_2"]
     assert [fabric.shear for _, fabric in garments] == [7.0, 120.0]
-    assert asked.edge_length == 0.1
+    assert asked.sizing.size_min == 0.1
     assert asked.pins[0].tolist() == [0, 3]
     assert asked.self_contact == (True, False)
     turned, plain = garments[0][0].rest_corners, garments[1][0].rest_corners

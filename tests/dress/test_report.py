@@ -29,6 +29,7 @@ FIGURES = DrapeFigures(
     flips=20,
     collapses=10,
     energy_jump_max=0.001,
+    pop=0.0005,
     stage_seconds={"solve": 1.0, "io": 0.25},
 )
 
@@ -67,7 +68,7 @@ def test_every_promised_key_is_there() -> None:
     assert report["stage_seconds"]["compile"] == 0.125
     assert report["contacts_max"] == 5
     assert report["remeshing"] == {
-        "passes": 2, "splits": 30, "flips": 20, "collapses": 10, "energy_jump_max": 0.001,
+        "passes": 2, "splits": 30, "flips": 20, "collapses": 10, "energy_jump_max": 0.001, "pop_mm": 0.5,
     }  # fmt: skip
 
 

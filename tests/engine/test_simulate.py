@@ -13,7 +13,7 @@ from toile.engine.cloth import Cloth
 from toile.engine.film_plan import FilmFrame, FilmPlan
 from toile.engine.simulate import Simulation
 from toile.engine.step import ClothStepper
-from toile.geometry.arrays import Float
+from toile.remesh.sizing import SizingOptions
 
 WOVEN = replace(
     SLACK, stretch_warp=3000.0, stretch_weft=3000.0, shear=100.0, bending_warp=5e-6, bending_weft=5e-6,
@@ -30,6 +30,7 @@ def level_sheet(length: float, width: float, edge: float, height: float) -> Clot
         sheet(WOVEN), positions=positions, velocities=np.zeros((count, 3)),
         node=np.arange(count, dtype=np.int32), faces=faces, rest_corners=np.ascontiguousarray(flat[faces]),
         fabric=np.zeros(len(faces), np.int32), garment=np.zeros(len(faces), np.int32),
+        panel=np.zeros(len(faces), np.int32), uv=flat,
         pinned=np.zeros(count, bool), rest_curved=np.zeros(len(faces), bool), start_positions=positions,
     )  # fmt: skip
 
@@ -129,32 +130,25 @@ def test_a_step_that_stretches_too_much_is_undone_and_shortened() -> None:
     assert run.record.steps > 4
 
 
-def test_the_film_goes_on_with_another_mesh() -> None:
-    """A hook renumbers the nodes once: the film is the same as without it."""
-    cloth = level_sheet(0.3, 0.3, 0.05, 0.0)
-    cloth = replace(cloth, pinned=cloth.positions[:, 0] < -0.15 + 1e-9)
-    order = np.arange(len(cloth.positions))[::-1]
-    plan = FilmPlan(step=options(self_contact=True), cg_tolerance=1e-10)
-    anchored: list[Float] = []
+def test_the_film_goes_on_with_a_mesh_that_follows_the_cloth() -> None:
+    """A sheet that swings down from one edge: momentum and energy stay, the mesh changes."""
+    cloth = level_sheet(0.5, 0.3, 0.1, 0.0)
+    cloth = replace(cloth, pinned=cloth.positions[:, 0] < -0.25 + 1e-9)
+    sizing = SizingOptions(size_min=0.02, size_max=0.4, refine_angle=0.3)
+    plan = FilmPlan(step=options(self_contact=True), sizing=sizing, remesh_frames=3)
+    run = Simulation(cloth, None, plan, lambda _: True)
+    record = run.run(0.5)
+    assert record.remeshings and len(set(record.faces)) > 1
+    assert run.cloth.mass.sum() == pytest.approx(cloth.mass.sum(), rel=1e-12)
+    assert max(done.energy_jump for done in record.remeshings) < 0.01
+    assert not any(map(sum, record.crossings))
+    assert "remesh" in run.clock.seconds
 
-    def renumber(run: Simulation) -> None:
-        if run.record.steps == 0 or anchored:
-            return
-        old = run.cloth
-        anchored.append(run.stepper.anchor[order].copy())
-        changed = replace(
-            old, positions=old.positions[order].copy(), velocities=old.velocities[order].copy(),
-            node=np.ascontiguousarray(order[old.node], np.int32), pinned=old.pinned[order].copy(),
-        )  # fmt: skip
-        run.restart(changed, anchored[0])
 
-    plain = Simulation(cloth, None, plan, lambda _: True)
-    plain.run(0.2)
-    other = Simulation(cloth, None, plan, lambda _: True, renumber)
-    other.run(0.2)
-    assert len(anchored) == 1
-    assert other.stepper.x[order] == pytest.approx(plain.stepper.x, abs=1e-7)
-    assert "remesh" in other.clock.seconds and "remesh" not in plain.clock.seconds
+def test_without_sizing_the_mesh_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("toile.engine.cloth_run.ClothRun.restart", forbidden("restart"))
+    run, _ = film(level_sheet(0.3, 0.3, 0.05, 0.0), 0.1, FilmPlan(step=options()))
+    assert len(set(run.record.faces)) == 1 and "remesh" not in run.clock.seconds
 
 
 def test_on_frame_ends_the_film() -> None:
