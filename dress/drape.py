@@ -138,6 +138,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
         merge_gap=max(LEAST_MERGE_GAP, MERGE_GAP * options.edge_length),
         late_stiffness=max(LEAST_LATE_STIFFNESS, LATE_STIFFNESS * options.edge_length),
         sizing=options.sizing,
+        persistent=options.persistent,
     )
 
 
@@ -212,8 +213,9 @@ def _outcome(
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(
-        status=status, failure=failure, figures=figures, garments=_split(cloth, len(garments)), notes=notes
-    )
+        status=status, failure=failure, figures=figures, garments=_split(cloth, len(garments)), notes=notes,
+        gave_up=record.gave_up,
+    )  # fmt: skip
 
 
 def _split(cloth: Cloth, count: int) -> list[DrapedGarment]:

@@ -34,6 +34,8 @@ class DrapeOptions:
         Material vertices held where they start, one array per garment.
     self_contact
         Per garment: may it touch itself and other garments? The search is left out when none may.
+    persistent
+        Whether jammed seams are tried again, and at last left open; or the drape gives up.
     """
 
     edge_length: float
@@ -45,6 +47,7 @@ class DrapeOptions:
     threads: int = 1
     pins: tuple[Int, ...] = ()
     self_contact: tuple[bool, ...] = ()
+    persistent: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,10 +158,14 @@ class DrapedGarment:
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeOutcome:
-    """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made."""
+    """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
+
+    `gave_up`: its seams jammed, and on another mesh they may not.
+    """
 
     status: Status
     failure: Failure | None
     figures: DrapeFigures
     garments: list[DrapedGarment]
     notes: tuple[str, ...] = ()
+    gave_up: bool = False

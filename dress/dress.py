@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -30,8 +31,8 @@ from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
 
 Say = Callable[[str], None]
-SEWING_COARSENESS = 1.5
-"""Edge length in which a garment is sewn, in finest edges of an adaptive mesh."""
+SEWING_COARSENESS = 1.5, 1.0, 1.25
+"""Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
 
 
 def dress(
@@ -71,9 +72,6 @@ def dress(
     names = _unique_names(scene)
     quality = quality_preset(scene.quality)
     sizing = _sizing(scene)
-    edge_length = scene.edge_length or quality.edge_length
-    if sizing is not None:
-        edge_length = min(SEWING_COARSENESS * sizing.size_min, sizing.size_max)
 
     avatar = load_scene_avatar(scene)
     if say is not None:
@@ -81,29 +79,41 @@ def dress(
             say(f"{avatar.name}: {note}")
     compile_seconds = _load_kernels(scene, folder is not None, say)
     form = DressForm(avatar)
-    meshes = [
-        load_garment(garment, name, form, edge_length)
-        for garment, name in zip(scene.garments, names, strict=True)
-    ]
-    options = DrapeOptions(
-        edge_length=edge_length,
-        max_frames=scene.max_frames or quality.max_frames,
-        tolerance=quality.tolerance,
-        sizing=sizing,
-        gravity=scene.gravity,
-        friction=scene.friction,
-        threads=scene.threads,
-        pins=tuple(
-            pinned_vertices(mesh, garment.pins) for mesh, garment in zip(meshes, scene.garments, strict=True)
-        ),
-        self_contact=tuple(garment.self_contact for garment in scene.garments),
-    )
     io_seconds = time.perf_counter() - wall - compile_seconds
-
     from toile.dress.drape import drape
 
-    cloth = list(zip(meshes, cloth_fabrics, strict=True))
-    outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
+    spent: dict[str, float] = {}
+    edge_lengths = _sewing_edge_lengths(scene, sizing)
+    for edge_length in edge_lengths:
+        meshing = time.perf_counter()
+        meshes = [
+            load_garment(garment, name, form, edge_length)
+            for garment, name in zip(scene.garments, names, strict=True)
+        ]
+        options = DrapeOptions(
+            edge_length=edge_length,
+            max_frames=scene.max_frames or quality.max_frames,
+            tolerance=quality.tolerance,
+            sizing=sizing,
+            gravity=scene.gravity,
+            friction=scene.friction,
+            threads=scene.threads,
+            pins=tuple(
+                pinned_vertices(mesh, garment.pins)
+                for mesh, garment in zip(meshes, scene.garments, strict=True)
+            ),
+            self_contact=tuple(garment.self_contact for garment in scene.garments),
+            persistent=edge_length == edge_lengths[-1],
+        )
+        io_seconds += time.perf_counter() - meshing
+        cloth = list(zip(meshes, cloth_fabrics, strict=True))
+        outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
+        for stage, seconds in outcome.figures.stage_seconds.items():
+            spent[stage] = spent.get(stage, 0.0) + seconds
+        if not outcome.gave_up:
+            break
+        if say is not None:
+            say(f"seams jammed in triangles of {1e3 * edge_length:g} mm; sewing again in others")
     if say is not None:
         for note in outcome.notes:
             say(note)
@@ -118,7 +128,7 @@ def dress(
     report = drape_report(
         status=outcome.status,
         failure=outcome.failure,
-        figures=outcome.figures,
+        figures=replace(outcome.figures, stage_seconds=spent),
         quality=quality.name,
         options=options,
         avatar=_avatar_facts(avatar),
@@ -141,6 +151,14 @@ def _sizing(scene: Scene) -> SizingOptions | None:
         return None
     quality = quality_preset(scene.quality)
     return quality.sizing(scene.edge_length or quality.edge_length)
+
+
+def _sewing_edge_lengths(scene: Scene, sizing: SizingOptions | None) -> list[float]:
+    """Return the edge lengths [m] in which the garments are sewn, one after the other until seams close."""
+    if sizing is None:
+        return [scene.edge_length or quality_preset(scene.quality).edge_length]
+    lengths = (min(factor * sizing.size_min, sizing.size_max) for factor in SEWING_COARSENESS)
+    return list(dict.fromkeys(lengths))
 
 
 def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:

@@ -31,9 +31,13 @@ class Drape(DrapeState):
         if self.phase == "sewing":
             sew(self)
         relax_tangles(self)
+        if self._gives_up(bool(self.ghost.any())):
+            return self.record
         if self._can_go_back():
             sew_again(self)
         self._put_on()
+        if self._gives_up(bool(self.ghost.any()) or len(self.cloth.stitches) > 0):
+            return self.record
         if self._can_go_back():
             leave_open(self)
             self._put_on()
@@ -48,6 +52,11 @@ class Drape(DrapeState):
         if self.audited != self.record.steps:
             self.close_frame(0)
         return self.record
+
+    def _gives_up(self, jammed: bool) -> bool:
+        """Whether to end here, its seams jammed, since the caller may start again on another mesh."""
+        self.record.gave_up = jammed and not self.plan.persistent and not self.over()
+        return self.record.gave_up
 
     def _can_go_back(self) -> bool:
         """Whether cloth is tangled, and its seams can be unpicked."""

@@ -76,6 +76,9 @@ class DrapePlan:
         Relative residual of the linear solver.
     sizing
         How fine the mesh should be once the garment is sewn; None keeps it as it is.
+    persistent
+        Whether seams that jam are tried again in place, and at last left open. Otherwise the drape gives up:
+        the caller may start it on another mesh.
     """
 
     step: StepOptions
@@ -108,6 +111,7 @@ class DrapePlan:
     peak_motion: float = 3e-3
     cg_tolerance: float = 1e-2
     sizing: SizingOptions | None = None
+    persistent: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +154,7 @@ class DrapeRecord:
     peak_motion: float = np.inf
     converged: bool = False
     cancelled: bool = False
+    gave_up: bool = False
     crossings: list[tuple[int, int]] = field(default_factory=list)
     settled_crossings: list[tuple[int, int]] = field(default_factory=list)
     node_counts: list[int] = field(default_factory=list)
