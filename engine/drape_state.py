@@ -96,10 +96,11 @@ class DrapeState(ClothRun):
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)
 
-    def remesh(self) -> bool:
+    def remesh(self, at_rest: bool = False) -> bool:
         """Adapt the mesh to the cloth's present shape, where the plan says so; return whether it changed.
 
-        While cloth may pass through itself its mesh stays.
+        While cloth may pass through itself its mesh stays. Cloth `at_rest` finds its new equilibrium where
+        the mesh has changed; else its elastic energy stays what it is.
         """
         if self.plan.sizing is None or self.ghost.any():
             return False
@@ -108,10 +109,10 @@ class DrapeState(ClothRun):
 
         started = self.clock.now()
         request = StepRequest(
-            h=self.plan.longest_step, at_rest=True,
+            h=self.plan.longest_step, at_rest=True, gravity=float(at_rest),
             stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
         )  # fmt: skip
-        done = remesh_run(self, self.plan.sizing, request, self.record.steps)
+        done = remesh_run(self, self.plan.sizing, request, self.record.steps, keep_energy=not at_rest)
         if done is not None:
             self.record.remeshings.append(done)
             self.record.node_counts.append(len(self.cloth.positions))

@@ -28,7 +28,7 @@ FEW_AT_ONCE = 0.004
 """Collapses in one round, as a share of the faces, below which a pass leaves the rest to the next."""
 FEW = 0.02
 """Splits and collapses, as a share of the faces, that are not worth a new mesh: still cloth keeps its own."""
-RELAXATIONS, MATCHINGS = 2, 8
+RELAXATIONS, MATCHINGS = 3, 8
 """Steps in which the nodes around remeshed faces settle; at most, in which they give back added energy."""
 JUMP = 3e-3
 """Added share of the elastic energy that is left as it is."""

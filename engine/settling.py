@@ -46,7 +46,7 @@ def settle(drape: DrapeState) -> None:
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
     span, share = 0.0, 1.0
-    remeshed_at_rest = False
+    farthest, remeshed_at_rest = 0.0, False
     while not drape.stopped():
         if merge_late(drape):
             drape.phase = "sewing"
@@ -61,8 +61,9 @@ def settle(drape: DrapeState) -> None:
             )
         )  # fmt: skip
         if remeshed_at_rest:
-            record.pop = max(record.pop, float(outcome.moved.max()))
+            record.pop = max(record.pop, float(outcome.moved.max()) - farthest)
             remeshed_at_rest = False
+        farthest = float(outcome.moved.max())
         peak = float(np.quantile(outcome.moved, 0.999))
         span += share * h
         undone = _undoes(drape.stepper.x - here, last)
@@ -84,7 +85,7 @@ def settle(drape: DrapeState) -> None:
             )
             span = 0.0
             settled = record.converged
-            if drape.needs_remeshing(settled) and drape.remesh():
+            if drape.needs_remeshing(settled) and drape.remesh(settled):
                 before, record.converged = drape.stepper.x.copy(), False
                 here, last = before, np.zeros_like(before)
                 remeshed_at_rest = settled

@@ -22,12 +22,16 @@ from toile.engine.fabric import Fabric
 
 
 class FakeDrape:
-    """Callable with the signature of toile.dress.drape.drape; remembers what it was asked."""
+    """Callable with the signature of toile.dress.drape.drape; remembers what it was asked.
+
+    Its first `jams` calls give up.
+    """
 
     def __init__(self, end: Status, at_start: Callable[[], None] | None, frames: int = 6) -> None:
         self.end = end
         self.at_start = at_start
         self.frames = frames
+        self.jams = 0
         self.calls: list[tuple[Avatar, list[tuple[GarmentMesh, Fabric]], DrapeOptions]] = []
 
     def __call__(
@@ -94,6 +98,7 @@ class FakeDrape:
                 )
                 for mesh, _ in garments
             ],
+            gave_up=len(self.calls) <= self.jams,
         )
 
 

@@ -15,6 +15,7 @@ import trimesh
 import toile
 from toile.dress.avatar import Avatar
 from toile.dress.cli import main
+from toile.dress.dress import SEWING_COARSENESS
 from toile.dress.kernels import REMESH_KERNELS
 from toile.dress.quality import quality_preset
 
@@ -107,6 +108,25 @@ def test_no_remesh_keeps_the_mesh_and_loads_no_kernels_for_it(
     assert loaded and not set(loaded) & set(REMESH_KERNELS)
     assert dress(*options) == 0
     assert fake.calls[1][2].sizing is not None and set(REMESH_KERNELS) <= set(loaded)
+
+
+def test_a_garment_that_jams_is_sewn_again_in_other_triangles(
+    tmp_path: Path, body: Path, shirt: Path, fake_drape: FakeDrapes, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake = fake_drape()
+    fake.jams = 2
+    options = ("--avatar", body, "--garment", shirt, "--quality", "preview")
+    assert dress(*options, "-o", tmp_path / "out") == 0
+    finest = quality_preset("preview").edge_length
+    asked = [options for _, _, options in fake.calls]
+    assert [one.edge_length / finest for one in asked] == pytest.approx(SEWING_COARSENESS)
+    assert [one.persistent for one in asked] == [False, False, True]
+    assert capsys.readouterr().out.count("seams jammed in triangles of") == 2
+    report = json.loads((tmp_path / "out/report.json").read_text())
+    assert report["stage_seconds"]["solve"] == pytest.approx(0.75)
+    fake.calls.clear()
+    assert dress(*options, "--no-remesh", "-o", tmp_path / "other", "--quiet") == 0
+    assert [one.persistent for _, _, one in fake.calls] == [True]
 
 
 def test_scene_file_and_options_that_win(

@@ -9,9 +9,10 @@ from tests.engine.meshes import mesh
 from toile.collide.audit import Auditor
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth import Cloth
+from toile.engine.cloth_run import ClothRun
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
-from toile.engine.remeshing import Remeshed, remeshed
+from toile.engine.remeshing import Remeshed, remesh_run, remeshed
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOptions, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
@@ -121,6 +122,40 @@ def test_energy_of_stretch_does_not_jump(bent: Cloth) -> None:
     after = stepper_of(found.cloth)
     before = stepper.membrane.energy(stepper.x)
     assert after.membrane.energy(after.x) < before + 0.0025 * stepper.elastic_energy()
+
+
+def settled(cloth: Cloth) -> ClothRun:
+    run = ClothRun(cloth, None, OPTIONS, StageClock())
+    for _ in range(300):
+        outcome = run.stepper.step(StepRequest(h=0.25, at_rest=True))
+        if outcome.moved.max() < 1e-6:
+            break
+    return run
+
+
+def test_cloth_at_rest_does_not_pop(bent: Cloth) -> None:
+    run = settled(bent)
+    done = remesh_run(run, FINE, StepRequest(h=0.25, at_rest=True), step=0)
+    assert done is not None and done.splits > 20
+    outcome = run.stepper.step(StepRequest(h=0.25, at_rest=True))
+    assert outcome.moved.max() < 0.1 * FINE.size_min
+
+
+def test_remeshing_cloth_in_motion_adds_no_energy_and_keeps_momentum() -> None:
+    points, faces = mesh("random", 0.5, 0.4, 0.05)
+    bent = cloth_at(points, faces, rolled(points, 0.1))
+    for shape in (points, rolled(points, 0.1)):
+        still = shape if shape.shape[1] == 3 else np.column_stack([shape, np.zeros(len(shape))])
+        spin = np.cross([1.0, 3.0, -2.0], still)
+        run = ClothRun(replace(bent, positions=still, velocities=spin), None, OPTIONS, StageClock())
+        before = run.stepper.x, run.stepper.mass[:, None] * run.stepper.v
+        done = remesh_run(run, FINE, StepRequest(h=0.25, at_rest=True, gravity=0.0), step=0, keep_energy=True)
+        assert done is not None
+        assert done.energy_jump < 0.005
+        after = run.stepper.x, run.stepper.mass[:, None] * run.stepper.v
+        assert after[1].sum(axis=0) == pytest.approx(before[1].sum(axis=0), rel=1e-10, abs=1e-14)
+        turning = (np.cross(x, p).sum(axis=0) for x, p in (before, after))
+        assert next(turning) == pytest.approx(next(turning), rel=1e-10, abs=1e-14)
 
 
 def test_flat_cloth_comes_back_to_few_triangles(bent: Cloth) -> None:

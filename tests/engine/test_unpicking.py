@@ -37,14 +37,16 @@ def stacked(between: bool) -> Cloth:
     )  # fmt: skip
 
 
-def sewn(cloth: Cloth) -> tuple[Drape, list[Frame]]:
+def sewn(cloth: Cloth, persistent: bool = True) -> tuple[Drape, list[Frame]]:
     frames: list[Frame] = []
 
     def on_frame(frame: Frame) -> bool:
         frames.append(frame)
         return True
 
-    plan = DrapePlan(step=replace(options(self_contact=True), gravity=0.0), max_steps=400)
+    plan = DrapePlan(
+        step=replace(options(self_contact=True), gravity=0.0), max_steps=400, persistent=persistent
+    )
     run = Drape(cloth, None, [], plan, on_frame)
     run.run()
     return run, frames
@@ -57,6 +59,14 @@ def test_seam_with_cloth_between_is_opened_again() -> None:
     assert run.record.settled_crossings and not np.any(run.record.settled_crossings)
     assert len(run.cloth.stitches) == len(cloth.stitches)
     assert np.abs(run.cloth.positions - cloth.positions)[cloth.pinned].max() < 1e-12
+
+
+def test_a_drape_that_may_start_again_gives_up_where_the_seam_jams() -> None:
+    run, _ = sewn(stacked(between=True), persistent=False)
+    assert run.record.gave_up and run.phase == "sewing" and not run.record.converged
+    patient, _ = sewn(stacked(between=True))
+    assert not patient.record.gave_up
+    assert run.record.steps < patient.record.steps
 
 
 def test_the_same_seam_closes_where_nothing_is_between() -> None:
