@@ -35,7 +35,7 @@ class DrapeOptions:
     self_contact
         Per garment: may it touch itself and other garments? The search is left out when none may.
     persistent
-        Whether jammed seams are tried again, and at last left open; or the drape gives up.
+        Whether seams that jam for good are left open; or the drape gives up.
     """
 
     edge_length: float

@@ -31,7 +31,7 @@ from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
 
 Say = Callable[[str], None]
-SEWING_COARSENESS = 1.5, 1.0, 1.25
+SEWING_COARSENESS = 1.5, 1.0
 """Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
 
 

@@ -31,10 +31,11 @@ class Drape(DrapeState):
         if self.phase == "sewing":
             sew(self)
         relax_tangles(self)
-        if self._gives_up(bool(self.ghost.any())):
-            return self.record
         if self._can_go_back():
             sew_again(self)
+            relax_tangles(self)
+        if self._gives_up(bool(self.ghost.any())):
+            return self.record
         self._put_on()
         if self._gives_up(bool(self.ghost.any()) or len(self.cloth.stitches) > 0):
             return self.record

@@ -77,8 +77,8 @@ class DrapePlan:
     sizing
         How fine the mesh should be once the garment is sewn; None keeps it as it is.
     persistent
-        Whether seams that jam are tried again in place, and at last left open. Otherwise the drape gives up:
-        the caller may start it on another mesh.
+        Whether seams that jam for good are left open. Otherwise the drape gives up: the caller may start it
+        on another mesh.
     """
 
     step: StepOptions

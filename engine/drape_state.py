@@ -18,6 +18,9 @@ MOVED, MOVED_AT_END = 0.5, 0.1
 FIRST_SHARE, GENTLE_SHARE = 0.4, 0.65
 """Share of all steps after which the first and the second attempt to loosen tangles are given up."""
 
+STITCH_REACH, OPEN_REACH = 0.02, 0.004
+"""Largest elongation of a stitch that pulls [m]; of one that is left open, which would only crumple cloth."""
+
 
 class BeforePassing(NamedTuple):
     """A drape before cloth was let pass through itself: the cloth, and avatar vertices [m], shape (v, 3)."""
@@ -41,6 +44,8 @@ class DrapeState(ClothRun):
         Whether tangles that resisted a first attempt are drawn apart less hard, over narrower patches.
     solid
         Whether no cloth may pass any more: seams that close only so stay open.
+    reach
+        Largest elongation of a stitch that pulls [m].
     growth
         Shapes the avatar takes on one after the other.
     phase
@@ -66,6 +71,7 @@ class DrapeState(ClothRun):
         self.before_passing: BeforePassing | None = None
         self.gentle = False
         self.solid = False
+        self.reach = STITCH_REACH
         self._meshed_at = cloth.positions
         self._frames = 0
         self.audited = -1
@@ -110,7 +116,8 @@ class DrapeState(ClothRun):
         started = self.clock.now()
         request = StepRequest(
             h=self.plan.longest_step, at_rest=True, gravity=float(at_rest),
-            stitch_stiffness=self.plan.late_stiffness, cg_tolerance=self.plan.cg_tolerance,
+            stitch_stiffness=self.plan.late_stiffness, stitch_reach=self.reach,
+            cg_tolerance=self.plan.cg_tolerance,
         )  # fmt: skip
         done = remesh_run(self, self.plan.sizing, request, self.record.steps, keep_energy=not at_rest)
         if done is not None:

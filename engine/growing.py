@@ -54,7 +54,8 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
         drape.take(
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
-                stitch_stiffness=plan.late_stiffness, untangle_stiffness=plan.untangle_stiffness,
+                stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
+                untangle_stiffness=plan.untangle_stiffness,
                 cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip

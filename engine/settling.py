@@ -32,7 +32,8 @@ def ease(drape: DrapeState) -> None:
         drape.take(
             StepRequest(
                 h=h, at_rest=True, friction=False, hold_stiffness=plan.waist_stiffness,
-                stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
+                stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
+                cg_tolerance=plan.cg_tolerance,
             )
         )  # fmt: skip
         h = min(1.2 * h, plan.longest_step)
@@ -56,8 +57,8 @@ def settle(drape: DrapeState) -> None:
             here, last = before, np.zeros_like(before)
         outcome = drape.take(
             StepRequest(
-                h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, cg_tolerance=plan.cg_tolerance,
-                move_share=share,
+                h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
+                cg_tolerance=plan.cg_tolerance, move_share=share,
             )
         )  # fmt: skip
         if remeshed_at_rest:

@@ -8,7 +8,7 @@ garment with an open seam is worth more than one that crosses itself.
 import numpy as np
 
 from toile.engine.avatar_growth import put_avatar
-from toile.engine.drape_state import DrapeState
+from toile.engine.drape_state import OPEN_REACH, DrapeState
 from toile.engine.merging import merge
 from toile.engine.sewing import close_jams
 
@@ -25,6 +25,7 @@ def leave_open(drape: DrapeState) -> None:
     _go_back(drape)
     drape.before_passing = None
     drape.solid = True
+    drape.reach = OPEN_REACH
     merge(drape)
 
 
