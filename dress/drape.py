@@ -154,9 +154,11 @@ def _outcome(
     last = record.crossings[-1]
     strain = 100.0 * run.warp_weft_strain()
     names = [name for mesh, _ in garments for name in mesh.seam_names]
-    open_gaps = np.linalg.norm(
+    gaps = np.linalg.norm(
         cloth.positions[cloth.stitches[:, 0]] - cloth.positions[cloth.stitches[:, 1]], axis=1
     )
+    # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
+    is_open = gaps > run.plan.closed_gap
     if failure is None and not record.cancelled:
         if sum(last):
             failure = Failure(
@@ -164,11 +166,11 @@ def _outcome(
                 message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
                 where=f"frame {len(record.crossings) - 1}",
             )
-        elif len(open_gaps):
-            seams = sorted({names[index] for index in cloth.seam})
+        elif is_open.any():
+            seams = sorted({names[index] for index in cloth.seam[is_open]})
             failure = Failure(
                 kind="open_seams",
-                message=f"{len(open_gaps)} stitches did not close, gap up to {open_gaps.max() * 1e3:.0f} mm; "
+                message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
                 "the garment may be too small for this body, or cloth lies in the way",
                 where=", ".join(seams),
             )
