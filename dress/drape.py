@@ -154,9 +154,7 @@ def _outcome(
     last = record.crossings[-1]
     strain = 100.0 * run.warp_weft_strain()
     names = [name for mesh, _ in garments for name in mesh.seam_names]
-    gaps = np.linalg.norm(
-        cloth.positions[cloth.stitches[:, 0]] - cloth.positions[cloth.stitches[:, 1]], axis=1
-    )
+    gaps = run.gaps()
     # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
     is_open = gaps > run.plan.closed_gap
     if failure is None and not record.cancelled:

@@ -3,7 +3,7 @@
 from numba import types
 
 from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, OUT_I32_1, helper, kernel
-from toile.remesh.metric import aspect, squared_size
+from toile.remesh.metric import aspect, squared_length, twice_area
 
 LEAST_ASPECT = 0.2
 """A merge may not make triangles worse than this, in the metric, unless they were as bad before."""
@@ -16,14 +16,9 @@ def height(rest, normals, t, a, b, c):  # type: ignore[no-untyped-def]
     """Twice the area of a triangle about the normal of face t, over the sum of its squared edges."""
     ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
     vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
-    twice = (
-        normals[t, 0] * (uy * vz - uz * vy)
-        + normals[t, 1] * (uz * vx - ux * vz)
-        + normals[t, 2] * (ux * vy - uy * vx)
-    )
     squares = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz
     squares += (vx - ux) ** 2 + (vy - uy) ** 2 + (vz - uz) ** 2
-    return twice / max(squares, 1e-300)
+    return twice_area(rest, normals, t, a, b, c) / max(squares, 1e-300)
 
 
 @helper
@@ -70,8 +65,7 @@ def keeps_shape(  # type: ignore[no-untyped-def]
         w = w0 if faces[t, corner] == v0 else w1
         for step in (1, 2):
             k = faces[t, (corner + step) % 3]
-            x, y, z = rest[k, 0] - rest[w, 0], rest[k, 1] - rest[w, 1], rest[k, 2] - rest[w, 2]
-            if squared_size(tensors, w, k, x, y, z) > longest * longest:
+            if squared_length(rest, tensors, w, k) > longest * longest:
                 return False
         if height(rest, normals, t, w, b, c) < LEAST_HEIGHT:
             return False

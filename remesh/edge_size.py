@@ -6,7 +6,7 @@ from numba import types
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, kernel
 from toile.remesh.mesh_edges import MeshEdges
-from toile.remesh.metric import aspect, squared_size
+from toile.remesh.metric import aspect, squared_length
 
 LONGEST = 1.0
 """Edges longer than this, in the metric, are split."""
@@ -27,9 +27,8 @@ def _squared_sizes(faces, face_edges, rest, tensors, squared):  # type: ignore[n
     for t in range(len(faces)):
         for k in range(3):
             p, q = faces[t, (k + 1) % 3], faces[t, (k + 2) % 3]
-            x, y, z = rest[q, 0] - rest[p, 0], rest[q, 1] - rest[p, 1], rest[q, 2] - rest[p, 2]
             e = face_edges[t, k]
-            squared[e] = max(squared[e], squared_size(tensors, p, q, x, y, z))
+            squared[e] = max(squared[e], squared_length(rest, tensors, p, q))
 
 
 def metric_aspects(faces: Int, rest: Float, tensors: Float) -> Float:

@@ -6,7 +6,7 @@ import numpy as np
 from numba import types
 
 from toile.geometry.kernel import F64_2, F64_3, I32_1, I32_2, OUT_F64_1, helper, kernel
-from toile.remesh.metric import aspect, product, squared_size
+from toile.remesh.metric import aspect, product, squared_length, twice_area
 
 
 @helper
@@ -53,25 +53,6 @@ def delaunay_excess(rest, tensors, frames, t, a, b, c, d):  # type: ignore[no-un
     return -(sin_a * cos_d + cos_a * sin_d) / max(lengths, 1e-300)
 
 
-@helper
-def edge_length(rest, tensors, p, q):  # type: ignore[no-untyped-def]
-    """Squared length in the metric between material vertices p and q."""
-    x, y, z = rest[q, 0] - rest[p, 0], rest[q, 1] - rest[p, 1], rest[q, 2] - rest[p, 2]
-    return squared_size(tensors, p, q, x, y, z)
-
-
-@helper
-def upright(rest, normals, t, a, b, c):  # type: ignore[no-untyped-def]
-    """Whether triangle abc faces the way of the normal of face t."""
-    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
-    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
-    return (
-        normals[t, 0] * (uy * vz - uz * vy)
-        + normals[t, 1] * (uz * vx - ux * vz)
-        + normals[t, 2] * (ux * vy - uy * vx)
-    ) > 0.0
-
-
 @kernel(
     types.void(
         I32_2, I32_1, I32_2, F64_2, F64_2, F64_3, F64_2, types.float64, types.float64, types.float64,
@@ -95,10 +76,10 @@ def judge_flips(  # type: ignore[no-untyped-def]
         value = delaunay_excess(rest, tensors, frames, t, a, b, c, d)
         if not value > margin:
             continue
-        limit = max(longest * longest, edge_length(rest, tensors, b, c))
-        if edge_length(rest, tensors, a, d) > limit:
+        limit = max(longest * longest, squared_length(rest, tensors, b, c))
+        if squared_length(rest, tensors, a, d) > limit:
             continue
-        if not (upright(rest, normals, t, a, b, d) and upright(rest, normals, t, a, d, c)):
+        if not (twice_area(rest, normals, t, a, b, d) > 0.0 and twice_area(rest, normals, t, a, d, c) > 0.0):
             continue
         new = min(aspect(rest, tensors, a, b, d), aspect(rest, tensors, a, d, c))
         old = min(

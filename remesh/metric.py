@@ -6,11 +6,24 @@ from toile.geometry.kernel import helper
 
 
 @helper
-def squared_size(tensors, a, b, x, y, z):  # type: ignore[no-untyped-def]
-    """Squared length of (x, y, z) in the mean metric of material vertices a and b."""
-    xx, yy, zz = tensors[a, 0] + tensors[b, 0], tensors[a, 1] + tensors[b, 1], tensors[a, 2] + tensors[b, 2]
-    yz, zx, xy = tensors[a, 3] + tensors[b, 3], tensors[a, 4] + tensors[b, 4], tensors[a, 5] + tensors[b, 5]
+def squared_length(rest, tensors, p, q):  # type: ignore[no-untyped-def]
+    """Squared length of the edge from material vertex p to q in the mean metric of both."""
+    x, y, z = rest[q, 0] - rest[p, 0], rest[q, 1] - rest[p, 1], rest[q, 2] - rest[p, 2]
+    xx, yy, zz = tensors[p, 0] + tensors[q, 0], tensors[p, 1] + tensors[q, 1], tensors[p, 2] + tensors[q, 2]
+    yz, zx, xy = tensors[p, 3] + tensors[q, 3], tensors[p, 4] + tensors[q, 4], tensors[p, 5] + tensors[q, 5]
     return 0.5 * (xx * x * x + yy * y * y + zz * z * z) + yz * y * z + zx * z * x + xy * x * y
+
+
+@helper
+def twice_area(rest, normals, t, a, b, c):  # type: ignore[no-untyped-def]
+    """Twice the area of triangle abc in rest space about the normal of face t, negative upside down."""
+    ux, uy, uz = rest[b, 0] - rest[a, 0], rest[b, 1] - rest[a, 1], rest[b, 2] - rest[a, 2]
+    vx, vy, vz = rest[c, 0] - rest[a, 0], rest[c, 1] - rest[a, 1], rest[c, 2] - rest[a, 2]
+    return (
+        normals[t, 0] * (uy * vz - uz * vy)
+        + normals[t, 1] * (uz * vx - ux * vz)
+        + normals[t, 2] * (ux * vy - uy * vx)
+    )
 
 
 @helper
