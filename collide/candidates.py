@@ -9,27 +9,6 @@ from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import BOOL_1, BOOL_2, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
 
-STILL = np.empty((0, 3))
-
-
-@helper
-def _box_gap_exceeds(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
-    """Whether the axis-aligned boxes of the two primitives are farther apart than reach."""
-    for axis in range(3):
-        if kind == 0:
-            low_a = p[i, axis]
-            high_a = low_a
-            low_b = min(p[j, axis], p[k, axis], p[m, axis])
-            high_b = max(p[j, axis], p[k, axis], p[m, axis])
-        else:
-            low_a = min(p[i, axis], p[j, axis])
-            high_a = max(p[i, axis], p[j, axis])
-            low_b = min(p[k, axis], p[m, axis])
-            high_b = max(p[k, axis], p[m, axis])
-        if low_a - high_b > reach or low_b - high_a > reach:
-            return True
-    return False
-
 
 @helper
 def _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
@@ -75,17 +54,13 @@ def _is_candidate(p, ends, weld, ghost, kind, i, j, k, m, reaches):  # type: ign
         reach = reaches[i] + max(reaches[j], reaches[k], reaches[m])
     else:
         reach = max(reaches[i], reaches[j]) + max(reaches[k], reaches[m])
-    moving = ends.shape[0] > 0
-    if moving:
-        if _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):
-            return False
-    elif _box_gap_exceeds(p, kind, i, j, k, m, reach):
+    if _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):
         return False
     wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
     x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
     d = length(x, y, z)
-    if d < reach or not moving:
-        return d < reach
+    if d < reach:
+        return True
     return separation(ends, kind, i, j, k, m, x / d, y / d, z / d) < reach
 
 
@@ -160,7 +135,7 @@ def _emit(  # type: ignore[no-untyped-def]
 
 def find_candidates(
     p: Float, weld: Int, ghost: Bool, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
-    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float, ends: Float = STILL,
+    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float, ends: Float | None = None,
 ) -> tuple[Int, Int]:  # fmt: skip
     """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
 
@@ -183,6 +158,8 @@ def find_candidates(
         Where the vertices drift to, all at the same pace [m], shape (n, 3): reaches are then measured from
         places on the way. By default they stay where they are.
     """
+    if ends is None:
+        ends = p
     if b is None:
         pairs = bvh.self_overlapping_pairs(tree_a, boxes_a)
         b = a

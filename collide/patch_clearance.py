@@ -34,7 +34,7 @@ def _shared_corners(p, weld, triangles, a, b, touch):  # type: ignore[no-untyped
     lone = -1
     for k in range(3):
         i = triangles[a, k]
-        twin = -1
+        twin = np.int32(-1)  # of the nodes' own type: another would compile the distance once more
         for m in range(3):
             if weld[i] == weld[triangles[b, m]]:
                 twin = triangles[b, m]

@@ -4,7 +4,7 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
-from toile.collide.candidates import STILL, find_candidates
+from toile.collide.candidates import find_candidates
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -198,9 +198,9 @@ class ContactSearch:
             )  # fmt: skip
 
     def _ends(self, drift: Float | None) -> Float:
-        """Return the places that all vertices drift to [m], shape (n, 3), or STILL."""
+        """Return the places that all vertices drift to [m], shape (n, 3)."""
         if drift is None:
-            return STILL
+            return self.positions
         ends = self.positions.copy()
         ends[: self._count] += drift
         return ends
@@ -208,7 +208,7 @@ class ContactSearch:
     def _own_tree(self, ends: Float) -> bvh.Bvh:
         """Hierarchy over the cloth's faces, swept to their ends and grown by their reach."""
         _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
-        if len(ends):
+        if ends is not self.positions:
             swept = np.empty_like(self._boxes)
             _grown_boxes(ends, self._surface.faces, self._reach, swept)
             np.minimum(self._boxes[:, :3], swept[:, :3], out=self._boxes[:, :3])

@@ -26,9 +26,10 @@ RING_WEIGHT = 0.5
 
 
 @helper
-def _solve6(matrix: Float, right: Float, solution: Float) -> None:
-    """Solve a symmetric positive definite 6x6 system by Cholesky; `matrix` is overwritten."""
-    for i in range(6):
+def _solve(matrix: Float, right: Float, solution: Float) -> None:
+    """Solve a symmetric positive definite system by Cholesky; `matrix` is overwritten."""
+    size = len(right)  # not a constant 6: unrolled loops take a second to compile
+    for i in range(size):
         for j in range(i + 1):
             total = matrix[i, j]
             for k in range(j):
@@ -37,14 +38,14 @@ def _solve6(matrix: Float, right: Float, solution: Float) -> None:
                 matrix[i, i] = sqrt(max(total, 1e-300))
             else:
                 matrix[i, j] = total / matrix[j, j]
-    for i in range(6):
+    for i in range(size):
         total = right[i]
         for k in range(i):
             total -= matrix[i, k] * solution[k]
         solution[i] = total / matrix[i, i]
-    for i in range(5, -1, -1):
+    for i in range(size - 1, -1, -1):
         total = solution[i]
-        for k in range(i + 1, 6):
+        for k in range(i + 1, size):
             total -= matrix[k, i] * solution[k]
         solution[i] = total / matrix[i, i]
 
@@ -70,6 +71,7 @@ def _fit(
     c = W P (P^T W P + ridge)^-1 e, repeated on what is left of e, which drives the misfit of a solvable fit
     to rounding. Coordinates are scaled by the size of the hinge along and across the side.
     """
+    size = len(residual)
     for i in range(count):
         a, b = s[i] / scale_s, n[i] / scale_n
         basis[i, 0], basis[i, 1], basis[i, 2] = 1.0, a, b
@@ -77,27 +79,27 @@ def _fit(
         weights[i] = 0.0
     rounds = 4 if ridge < 1e-6 else 2
     for _ in range(rounds):
-        for q in range(6):
+        for q in range(size):
             total = 1.0 if q == 2 else 0.0
             for i in range(count):
                 total -= basis[i, q] * weights[i]
             residual[q] = total
-        for p in range(6):
+        for p in range(size):
             for q in range(p + 1):
                 total = 0.0
                 for i in range(count):
                     total += ring_weights[i] * basis[i, p] * basis[i, q]
                 matrix[p, q] = total
-        for p in range(3, 6):
+        for p in range(3, size):
             matrix[p, p] += ridge
-        _solve6(matrix, residual, update)
+        _solve(matrix, residual, update)
         for i in range(count):
             total = 0.0
-            for q in range(6):
+            for q in range(size):
                 total += basis[i, q] * update[q]
             weights[i] += ring_weights[i] * total
     misfit = 0.0
-    for q in range(6):
+    for q in range(size):
         total = 1.0 if q == 2 else 0.0
         for i in range(count):
             total -= basis[i, q] * weights[i]
