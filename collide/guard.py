@@ -126,15 +126,30 @@ def _cut(factor, v, speed, offset, allowed):  # type: ignore[no-untyped-def]
         factor[v] = max((allowed + offset) / speed, 0.0)
 
 
-@kernel(types.int64(F64_2, I32_2, types.int64, I32_1, F64_2, types.int64, types.boolean, OUT_F64_1))
-def _sweep(move, pairs, kind, active, plane, count, final, factor):  # type: ignore[no-untyped-def]
-    """Shorten the approaching vertices of every unsafe pair; return how many pairs were unsafe."""
+@kernel(
+    types.int64(
+        F64_2, I32_2, types.int64, I32_1, F64_2, types.int64, types.int64, types.boolean, OUT_I32_1, OUT_F64_1
+    )
+)
+def _sweep(  # type: ignore[no-untyped-def]
+    move, pairs, kind, active, plane, count, sweep, final, last_cut, factor
+):
+    """Shorten the approaching vertices of every unsafe pair; return how many pairs were unsafe.
+
+    last_cut: sweep in which a vertex was last in an unsafe pair. Pairs all of whose vertices are as they
+    were when the pair was last found safe are not looked at, but in the last sweep of all.
+    """
     unsafe = 0
     split = 1 if kind == 0 else 2
     v = np.empty(4, np.int64)
     toward = np.empty(4, np.float64)
     for c in range(count):
         row = active[c]
+        latest = max(
+            last_cut[pairs[row, 0]], last_cut[pairs[row, 1]], last_cut[pairs[row, 2]], last_cut[pairs[row, 3]]
+        )
+        if latest < sweep - 1 and not final:
+            continue
         nx = plane[c, 0]
         ny = plane[c, 1]
         nz = plane[c, 2]
@@ -172,6 +187,7 @@ def _sweep(move, pairs, kind, active, plane, count, final, factor):  # type: ign
                 allowed_b = approach_b * share
         unsafe += 1
         for q in range(4):
+            last_cut[v[q]] = sweep
             _cut(factor, v[q], toward[q], plane[c, 4 + q], allowed_a if q < split else allowed_b)
     return unsafe
 
@@ -197,11 +213,12 @@ def safe_factors(p: Float, move: Float, vertex_face: Int, edge_edge: Int) -> Flo
         count = _planes(p, move, reach, pairs, kind, active, plane)
         if count:
             sets.append((pairs, kind, active[:count], plane[:count], count))
+    last_cut = np.full(len(p), -1, np.int32)
     for sweep in range(MAX_SWEEPS + 1):
         final = sweep == MAX_SWEEPS
         unsafe = 0
         for pairs, kind, active, plane, count in sets:
-            unsafe += _sweep(move, pairs, kind, active, plane, count, final, factor)
+            unsafe += _sweep(move, pairs, kind, active, plane, count, sweep, final, last_cut, factor)
         if unsafe == 0:
             break
     return factor

@@ -308,12 +308,16 @@ def _run_bench(options: argparse.Namespace) -> int:
         raise InputError(f"--repeats must be at least 1, got {options.repeats}")
     rows = []
     for name in options.scene or FINEST:
-        print(f"{name} ...", file=sys.stderr, flush=True)
-        rows.append(bench_scene(name, options.seconds, options.repeats))
+        rows.append(bench_scene(name, options.seconds, options.repeats, say=_say_progress))
         if options.json is not None:
             options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
     print(table(rows))
     return MISSED if any(row.missed() for row in rows) else DONE
+
+
+def _say_progress(line: str) -> None:
+    """Print a line beside the results."""
+    print(line, file=sys.stderr, flush=True)
 
 
 def _print_version() -> int:

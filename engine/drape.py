@@ -37,7 +37,7 @@ class Drape(DrapeState):
         if self._gives_up(bool(self.ghost.any())):
             return self.record
         self._put_on()
-        if self._gives_up(bool(self.ghost.any()) or len(self.cloth.stitches) > 0):
+        if self._gives_up(bool(self.ghost.any()) or bool((self.gaps() > self.plan.closed_gap).any())):
             return self.record
         if self._can_go_back():
             leave_open(self)

@@ -107,10 +107,9 @@ def remesh_run(
     ClothRun.restart(run, found.cloth, found.anchors)
     stepper = run.stepper
     velocities = stepper.v
-    if not keep_energy or stepper.elastic_energy() > (1.0 + JUMP) * before:
-        _relax(
-            stepper, _around(found.cloth.face_nodes, found.changed), relax, before if keep_energy else None
-        )
+    most = (1.0 + JUMP) * before
+    if not keep_energy or stepper.elastic_energy() > most:
+        _relax(stepper, _around(found.cloth.face_nodes, found.changed), relax, most if keep_energy else None)
     if velocities.any():
         after = replace(found.cloth, positions=stepper.x, velocities=velocities)
         velocities = with_momentum_of(_motion(old), _motion(after))
@@ -128,16 +127,31 @@ def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: floa
 
     With an `energy` [J] they stop on the way where the elastic energy is that.
     """
-    pinned, wind = stepper.pinned, stepper.wind
-    stepper.pinned = ~free if pinned is None else pinned | ~free
+    pinned, wind, still = stepper.pinned, stepper.wind, ~free
+    stepper.pinned = still if pinned is None else pinned | still
     stepper.wind = None
+    anchors = None
+    if stepper.search is not None:
+        # Pairs in which nothing moves need no look; what they hold by friction they hold on.
+        anchors = stepper.anchor[: len(still)][still]
+        stepper.search.let_pass(_padded(still, len(stepper.anchor)))
     for _ in range(RELAXATIONS if energy is None else MATCHINGS):
         start = stepper.x.copy()
         stepper.step(request)
         if energy is not None and stepper.elastic_energy() < energy:
             stepper.x[:] = _with_energy(stepper, start, energy)
             break
+    if stepper.search is not None:
+        stepper.anchor[: len(still)][still] = anchors
+        stepper.search.let_pass(np.zeros(len(stepper.anchor), bool))
     stepper.pinned, stepper.wind = pinned, wind
+
+
+def _padded(still: Bool, count: int) -> Bool:
+    """Return marks of cloth nodes, shape (n,), then of a still avatar, shape (count,)."""
+    marks = np.ones(count, bool)
+    marks[: len(still)] = still
+    return marks
 
 
 def _around(faces: Int, marked: Bool) -> Bool:

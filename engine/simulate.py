@@ -16,7 +16,7 @@ GROWTH = 1.2
 """Factor on the step size after a step that went well."""
 MOVED = 1.0
 """RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
-RELAXING = 0.25
+RELAXING = 0.01
 """Step size in which the nodes around remeshed faces find their places [s]."""
 
 

@@ -1,16 +1,17 @@
 """Adaptive against uniform meshes: CPU time, faces and error of the reference scenes.
 
-Every scene runs on a uniform mesh of the finest edges, on one of twice those, on an adaptive mesh between
+Every scene runs on uniform meshes from the finest edges to several times those, on an adaptive mesh between
 the finest and twenty times them, and on a uniform reference of half of them. The error is the mean distance
 of the final surface from the reference, or, where the motion is chaotic, the difference of the drape
-coefficient; the error of a uniform mesh that takes as long as the adaptive one follows from the two uniform
-runs, on a logarithmic scale.
+coefficient; the error of a uniform mesh that takes as long as the adaptive one is read between those of the
+uniform runs on logarithmic scales.
 """
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import exp, log
 from statistics import median
+
+import numpy as np
 
 from toile.dress.benchmarks.run import Run, run_film, run_shirt
 from toile.dress.benchmarks.scenes import SCENES
@@ -20,10 +21,14 @@ from toile.remesh.sizing import SizingOptions
 
 FINEST = {"sphere": 0.0125, "flag": 0.02, "hang": 0.0125, "shirt": 0.010}
 """Finest edges of every scene [m]."""
+LADDER, SEWN_LADDER = (1.0, 2.0, 4.0, 8.0), (1.0, 2.0, 3.0)
+"""Edges of the uniform meshes, in finest edges, of films and of the shirt, not sewn in coarser ones."""
 CHAOTIC = {"flag"}
 """Scenes whose final surface depends on every digit: their drape coefficient is compared."""
 START = 4.0
 """Edge length of the mesh that an adaptive film starts from, in finest edges."""
+LEAST_ERROR = 1e-12
+"""Keeps ratios of errors finite."""
 REFINE_ANGLE = 0.5
 """Turn of the surface per edge that adaptive meshes aim at [rad]."""
 BARS = {
@@ -36,6 +41,16 @@ BARS = {
 }
 OWN_BARS = {"hang": {"cpu_ratio": (1.0, "at least")}, "shirt": {"cpu_ratio": (3.0, "at least")}}
 """Bars of single scenes, in place of the general ones."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rung:
+    """A uniform mesh: edge length [m], CPU time [s] (the first: median), mean faces, error."""
+
+    edge: float
+    cpu: float
+    faces: float
+    error: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,17 +69,13 @@ class Row:
     energy_drop: float
     crossings: int
     repeats: int
-    cpu_uniform: float
-    cpu_coarse: float
     cpu_adaptive: float
     cpu_reference: float
     cpu_spread: float
-    faces_uniform: float
     faces_adaptive: float
     error_unit: str
-    error_uniform: float
-    error_coarse: float
     error_adaptive: float
+    uniform: tuple[Rung, ...]
 
     def bars(self) -> dict[str, tuple[float, str]]:
         """Return what this scene must reach."""
@@ -80,56 +91,73 @@ class Row:
         ]
 
 
-def bench_scene(name: str, seconds: float | None = None, repeats: int = 1) -> Row:
-    """Run one scene in all four ways, films for their own length or `seconds`; timed ones `repeats` times."""
+def bench_scene(
+    name: str, seconds: float | None = None, repeats: int = 1, say: Callable[[str], None] = print
+) -> Row:
+    """Run one scene in all ways, films for their own length or `seconds`; timed ones `repeats` times.
+
+    `say` gets a line per run.
+    """
     finest = FINEST[name]
     sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE)
 
     def run(edge: float, adaptive: SizingOptions | None = None) -> Run:
         if name == "shirt":
-            return run_shirt(edge, adaptive)
-        return run_film(SCENES[name](edge), seconds, adaptive)
+            one = run_shirt(edge, adaptive)
+        else:
+            one = run_film(SCENES[name](edge), seconds, adaptive)
+        kind = "adaptive" if adaptive else f"uniform {1e3 * edge:g} mm"
+        say(f"{name}, {kind}: {one.faces:.0f} faces, {one.cpu:.1f} CPU s, {one.crossings} crossings")
+        return one
 
-    uniform = _repeated(lambda: run(finest), repeats)
-    adaptive = _repeated(lambda: run(START * finest, sizing), repeats)
-    coarse, reference = run(2.0 * finest), run(0.5 * finest)
-    cpu_uniform, cpu_adaptive = (median(one.cpu for one in runs) for runs in (uniform, adaptive))
+    edges = [step * finest for step in (SEWN_LADDER if name == "shirt" else LADDER)]
+    uniform = [run(edges[0]) for _ in range(repeats)]
+    adaptive = [run(START * finest, sizing) for _ in range(repeats)]
+    coarser, reference = [run(edge) for edge in edges[1:]], run(0.5 * finest)
 
     def error(one: Run) -> float:
         if name in CHAOTIC:
             return abs(one.drape_coefficient - reference.drape_coefficient)
         return 1e3 * mean_surface_distance(one.surface, reference.surface)
 
-    errors = [error(one) for one in (uniform[0], coarse, adaptive[0])]
-    slope = log(max(errors[1], 1e-12) / max(errors[0], 1e-12)) / log(coarse.cpu / cpu_uniform)
-    as_long = errors[0] * exp(slope * log(cpu_adaptive / cpu_uniform))
+    ladder = tuple(
+        Rung(edge=edge, cpu=cpu, faces=one.faces, error=error(one))
+        for edge, cpu, one in zip(
+            edges,
+            [median(one.cpu for one in uniform), *(one.cpu for one in coarser)],
+            [uniform[0], *coarser],
+            strict=True,
+        )
+    )
     times = [one.cpu for one in adaptive]
+    cpu_adaptive = median(times)
+    error_adaptive = error(adaptive[0])
     return Row(
         scene=name,
-        cpu_ratio=cpu_uniform / cpu_adaptive,
-        face_ratio=adaptive[0].faces / uniform[0].faces,
-        error_ratio=as_long / max(errors[2], 1e-12),
+        cpu_ratio=ladder[0].cpu / cpu_adaptive,
+        face_ratio=adaptive[0].faces / ladder[0].faces,
+        error_ratio=_error_at(ladder, cpu_adaptive) / max(error_adaptive, LEAST_ERROR),
         remesh_share=median(one.remesh_share for one in adaptive),
         energy_jump=adaptive[0].energy_jump,
         energy_drop=adaptive[0].energy_drop,
-        crossings=sum(one.crossings for one in (*uniform, *adaptive, coarse, reference)),
+        crossings=sum(one.crossings for one in (*uniform, *adaptive, *coarser, reference)),
         repeats=repeats,
-        cpu_uniform=cpu_uniform,
-        cpu_coarse=coarse.cpu,
         cpu_adaptive=cpu_adaptive,
         cpu_reference=reference.cpu,
         cpu_spread=(max(times) - min(times)) / cpu_adaptive,
-        faces_uniform=uniform[0].faces,
         faces_adaptive=adaptive[0].faces,
         error_unit="drape coefficient" if name in CHAOTIC else "mm",
-        error_uniform=errors[0],
-        error_coarse=errors[1],
-        error_adaptive=errors[2],
+        error_adaptive=error_adaptive,
+        uniform=ladder,
     )
 
 
-def _repeated(run: Callable[[], Run], repeats: int) -> list[Run]:
-    return [run() for _ in range(repeats)]
+def _error_at(ladder: tuple[Rung, ...], cpu: float) -> float:
+    """Error of a uniform mesh that takes `cpu` [s]; outside of the ladder, that of its nearest end."""
+    rungs = sorted(ladder, key=lambda rung: rung.cpu)
+    times = np.log([rung.cpu for rung in rungs])
+    errors = np.log([max(rung.error, LEAST_ERROR) for rung in rungs])
+    return float(np.exp(np.interp(np.log(cpu), times, errors)))
 
 
 def table(rows: list[Row]) -> str:
@@ -141,13 +169,15 @@ def table(rows: list[Row]) -> str:
         cells = "".join(f"{values[name]:>13.3g}{'*' if name in missed else ' '}" for name in names)
         lines += [
             f"{row.scene:8}{cells}",
-            f"        CPU s: uniform {row.cpu_uniform:.1f}, twice the edges {row.cpu_coarse:.1f}, adaptive "
-            f"{row.cpu_adaptive:.1f} (spread {100 * row.cpu_spread:.0f} %), "
-            f"reference {row.cpu_reference:.1f}; faces: uniform {row.faces_uniform:.0f}, "
-            f"adaptive {row.faces_adaptive:.0f}",
-            f"        error ({row.error_unit}): uniform {row.error_uniform:.3g}, twice the edges "
-            f"{row.error_coarse:.3g}, adaptive {row.error_adaptive:.3g}; largest fall of the elastic energy "
-            f"in a remeshing {100 * row.energy_drop:.1f} %",
+            f"        adaptive: CPU {row.cpu_adaptive:.1f} s (spread {100 * row.cpu_spread:.0f} %), "
+            f"{row.faces_adaptive:.0f} faces, error {row.error_adaptive:.3g} {row.error_unit}, "
+            f"largest fall of the elastic energy in a remeshing {100 * row.energy_drop:.1f} %; "
+            f"reference: CPU {row.cpu_reference:.1f} s",
+            *(
+                f"        uniform {1e3 * rung.edge:g} mm: CPU {rung.cpu:.1f} s, {rung.faces:.0f} faces, "
+                f"error {rung.error:.3g} {row.error_unit}"
+                for rung in row.uniform
+            ),
         ]
     bars = ", ".join(f"{name} {sense} {bar:g}" for name, (bar, sense) in BARS.items())
     own = "; ".join(
