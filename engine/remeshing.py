@@ -106,7 +106,7 @@ def remesh_run(
     clock, run.clock = run.clock, StageClock(now=run.clock.now)
     ClothRun.restart(run, found.cloth, found.anchors)
     stepper = run.stepper
-    velocities = stepper.v
+    velocities = stepper.v.copy()  # the steps below start at rest, and write that
     most = (1.0 + JUMP) * before
     if not keep_energy or stepper.elastic_energy() > most:
         _relax(stepper, _around(found.cloth.face_nodes, found.changed), relax, most if keep_energy else None)

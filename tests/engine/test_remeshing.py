@@ -146,9 +146,11 @@ def test_remeshing_cloth_in_motion_adds_no_energy_and_keeps_momentum() -> None:
     bent = cloth_at(points, faces, rolled(points, 0.1))
     for shape in (points, rolled(points, 0.1)):
         still = shape if shape.shape[1] == 3 else np.column_stack([shape, np.zeros(len(shape))])
-        spin = np.cross([1.0, 3.0, -2.0], still)
-        run = ClothRun(replace(bent, positions=still, velocities=spin), None, OPTIONS, StageClock())
-        before = run.stepper.x, run.stepper.mass[:, None] * run.stepper.v
+        # a turn, and a swing that no rigid motion contains
+        swing = np.cross([1.0, 3.0, -2.0], still) + np.outer(np.cos(10.0 * still[:, 0]), [0.0, 0.0, 2.0])
+        run = ClothRun(replace(bent, positions=still, velocities=swing), None, OPTIONS, StageClock())
+        before = run.stepper.x.copy(), run.stepper.mass[:, None] * run.stepper.v
+        kinetic = np.sum(before[1] * run.stepper.v)
         done = remesh_run(run, FINE, StepRequest(h=0.25, at_rest=True, gravity=0.0), step=0, keep_energy=True)
         assert done is not None
         assert done.energy_jump < 0.005
@@ -156,6 +158,7 @@ def test_remeshing_cloth_in_motion_adds_no_energy_and_keeps_momentum() -> None:
         assert after[1].sum(axis=0) == pytest.approx(before[1].sum(axis=0), rel=1e-10, abs=1e-14)
         turning = (np.cross(x, p).sum(axis=0) for x, p in (before, after))
         assert next(turning) == pytest.approx(next(turning), rel=1e-10, abs=1e-14)
+        assert np.sum(after[1] * run.stepper.v) == pytest.approx(kinetic, rel=0.02)
 
 
 def test_flat_cloth_comes_back_to_few_triangles(bent: Cloth) -> None:
