@@ -158,7 +158,7 @@ def test_remeshing_cloth_in_motion_adds_no_energy_and_keeps_momentum() -> None:
         assert after[1].sum(axis=0) == pytest.approx(before[1].sum(axis=0), rel=1e-10, abs=1e-14)
         turning = (np.cross(x, p).sum(axis=0) for x, p in (before, after))
         assert next(turning) == pytest.approx(next(turning), rel=1e-10, abs=1e-14)
-        assert np.sum(after[1] * run.stepper.v) == pytest.approx(kinetic, rel=0.02)
+        assert np.sum(after[1] * run.stepper.v) == pytest.approx(kinetic, rel=0.05)
 
 
 def test_flat_cloth_comes_back_to_few_triangles(bent: Cloth) -> None:
