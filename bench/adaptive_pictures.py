@@ -70,7 +70,7 @@ def film(path: Path) -> None:
     """Write the film of the sphere scene."""
     finest = FINEST["sphere"]
     scene = sphere(START * finest)
-    sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE)
+    sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE["sphere"])
     view = view_of(np.array([0.0, -0.08, 0.0]), 30.0, 28.0)
     pictures = []
 

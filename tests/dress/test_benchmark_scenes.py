@@ -1,8 +1,9 @@
-"""The reference scenes: what they are, and that their first frames run without crossings."""
+"""The reference scenes: what they are, that their first frames run without crossings, how meshes compare."""
 
 import numpy as np
 import pytest
 
+from toile.dress.benchmarks.remesh import Rung, error_at
 from toile.dress.benchmarks.scenes import FLAG_WIND, SCENES, SPHERE_RADIUS, flag, hang, sphere
 from toile.engine.simulate import Simulation
 
@@ -44,3 +45,13 @@ def test_the_flag_is_held_by_its_short_edge_in_wind_and_the_sheet_by_two_corners
     # Pressure of 60 Pa at 10 m/s.
     assert air.resistance * FLAG_WIND == pytest.approx(0.5 * 1.2 * FLAG_WIND**2)
     assert hang(0.1).cloth.pinned.sum() == 2
+
+
+def test_a_uniform_mesh_of_some_time_lies_between_those_of_the_ladder_on_logarithmic_scales() -> None:
+    ladder = tuple(
+        Rung(edge=0.1, cpu=cpu, faces=100.0, error=error, distance=error)
+        for cpu, error in ((100.0, 1.0), (1.0, 100.0))
+    )
+    assert error_at(ladder, 10.0) == pytest.approx(10.0)
+    assert error_at(ladder, 0.1) == pytest.approx(100.0)
+    assert error_at(ladder, 1000.0) == pytest.approx(1.0)
