@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image
 
 import toile
-from toile.dress.benchmarks.remesh import FINEST, REFINE_ANGLE, START
+from toile.dress.benchmarks.remesh import FINEST, START
 from toile.dress.benchmarks.scenes import sphere
 from toile.dress.quality import COARSEST
 from toile.dress.rasterizer import rasterize
@@ -24,6 +24,8 @@ from toile.remesh.sizing import SizingOptions
 
 SAMPLES = 3
 """Samples per pixel in each direction."""
+SMOOTH = 0.4
+"""Turn of the surface per edge in the film [rad]."""
 CLOTH, BODY, LINE, PAPER = (98, 138, 186), (222, 196, 178), (20, 32, 56), (246, 246, 244)
 LIGHT = np.array([-0.4, 0.75, 0.55])
 
@@ -70,7 +72,7 @@ def film(path: Path) -> None:
     """Write the film of the sphere scene."""
     finest = FINEST["sphere"]
     scene = sphere(START * finest)
-    sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE["sphere"])
+    sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=SMOOTH)
     view = view_of(np.array([0.0, -0.08, 0.0]), 30.0, 28.0)
     pictures = []
 
