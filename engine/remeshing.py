@@ -106,7 +106,7 @@ def remesh_run(
     clock, run.clock = run.clock, StageClock(now=run.clock.now)
     ClothRun.restart(run, found.cloth, found.anchors)
     stepper = run.stepper
-    velocities = stepper.v.copy()  # the steps below start at rest, and write that
+    velocities = stepper.v
     most = (1.0 + JUMP) * before
     if not keep_energy or stepper.elastic_energy() > most:
         _relax(stepper, _around(found.cloth.face_nodes, found.changed), relax, most if keep_energy else None)
@@ -134,7 +134,8 @@ def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: floa
     if stepper.search is not None:
         # Pairs in which nothing moves need no look; what they hold by friction they hold on.
         anchors = stepper.anchor[: len(still)][still]
-        stepper.search.let_pass(_padded(still, len(stepper.anchor)))
+        others = len(stepper.anchor) - len(still)
+        stepper.search.let_pass(np.pad(still, (0, others), constant_values=True))
     for _ in range(RELAXATIONS if energy is None else MATCHINGS):
         start = stepper.x.copy()
         stepper.step(request)
@@ -145,13 +146,6 @@ def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: floa
         stepper.anchor[: len(still)][still] = anchors
         stepper.search.let_pass(np.zeros(len(stepper.anchor), bool))
     stepper.pinned, stepper.wind = pinned, wind
-
-
-def _padded(still: Bool, count: int) -> Bool:
-    """Return marks of cloth nodes, shape (n,), then of a still avatar, shape (count,)."""
-    marks = np.ones(count, bool)
-    marks[: len(still)] = still
-    return marks
 
 
 def _around(faces: Int, marked: Bool) -> Bool:

@@ -187,7 +187,7 @@ class ClothStepper:
         h = request.h
         start = self.x.copy()
         if request.at_rest:
-            self.v[:] = 0.0
+            self.v = np.zeros_like(self.x)
         y = start + h * self.v
         y[:, 1] -= h * h * self.options.gravity * request.gravity
         ahead = h * self.v
