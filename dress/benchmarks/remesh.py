@@ -7,8 +7,9 @@ coefficient; the error of a uniform mesh that takes as long as the adaptive one 
 uniform runs on logarithmic scales.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from statistics import median
 
 import numpy as np
@@ -114,30 +115,25 @@ def bench_scene(
         return one
 
     edges = [step * finest for step in (SEWN_LADDER if name == "shirt" else LADDER)]
-    uniform = [run(edges[0]) for _ in range(repeats)]
+    uniform = [[run(edge) for _ in range(repeats if edge == finest else 1)] for edge in edges]
     adaptive = [run(START * finest, sizing) for _ in range(repeats)]
-    coarser, reference = [run(edge) for edge in edges[1:]], run(0.5 * finest)
+    reference = run(0.5 * finest)
 
-    def distance(one: Run) -> float:
-        return 1e3 * mean_surface_distance(one.surface, reference.surface)
-
-    def error(one: Run) -> float:
+    def compared(one: Run) -> tuple[float, float]:
+        """Error and distance [mm] from the reference."""
+        distance = 1e3 * mean_surface_distance(one.surface, reference.surface)
         if name in CHAOTIC:
-            return abs(one.drape_coefficient - reference.drape_coefficient)
-        return distance(one)
+            return abs(one.drape_coefficient - reference.drape_coefficient), distance
+        return distance, distance
 
-    ladder = tuple(
-        Rung(edge=edge, cpu=cpu, faces=one.faces, error=error(one), distance=distance(one))
-        for edge, cpu, one in zip(
-            edges,
-            [median(one.cpu for one in uniform), *(one.cpu for one in coarser)],
-            [uniform[0], *coarser],
-            strict=True,
-        )
-    )
+    ladder = []
+    for edge, runs in zip(edges, uniform, strict=True):
+        error, distance = compared(runs[0])
+        cpu = median(one.cpu for one in runs)
+        ladder.append(Rung(edge=edge, cpu=cpu, faces=runs[0].faces, error=error, distance=distance))
     times = [one.cpu for one in adaptive]
     cpu_adaptive = median(times)
-    error_adaptive = error(adaptive[0])
+    error_adaptive, distance_adaptive = compared(adaptive[0])
     return Row(
         scene=name,
         cpu_ratio=ladder[0].cpu / cpu_adaptive,
@@ -146,7 +142,7 @@ def bench_scene(
         remesh_share=median(one.remesh_share for one in adaptive),
         energy_jump=adaptive[0].energy_jump,
         energy_drop=adaptive[0].energy_drop,
-        crossings=sum(one.crossings for one in (*uniform, *adaptive, *coarser, reference)),
+        crossings=sum(one.crossings for one in (*chain(*uniform), *adaptive, reference)),
         repeats=repeats,
         cpu_adaptive=cpu_adaptive,
         cpu_reference=reference.cpu,
@@ -154,12 +150,12 @@ def bench_scene(
         faces_adaptive=adaptive[0].faces,
         error_unit="drape coefficient" if name in CHAOTIC else "mm",
         error_adaptive=error_adaptive,
-        distance_adaptive=distance(adaptive[0]),
-        uniform=ladder,
+        distance_adaptive=distance_adaptive,
+        uniform=tuple(ladder),
     )
 
 
-def error_at(ladder: tuple[Rung, ...], cpu: float) -> float:
+def error_at(ladder: Sequence[Rung], cpu: float) -> float:
     """Error of a uniform mesh that takes `cpu` [s]; outside of the ladder, that of its nearest end."""
     rungs = sorted(ladder, key=lambda rung: rung.cpu)
     times = np.log([rung.cpu for rung in rungs])

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import fcl
+import manifold3d
 import numpy as np
 import pytest
 
@@ -19,7 +20,7 @@ from toile.dress.measurements import Measurements
 from toile.dress.pattern import Panel, Pattern
 from toile.dress.pattern_curve import edge_length, edge_points
 from toile.dress.pattern_mesh import mesh_pattern
-from toile.dress.pattern_outline import default_segments, is_clockwise, outline, to_world
+from toile.dress.pattern_outline import default_segments, is_clockwise, outline, signed_area, to_world
 from toile.dress.patterns import built_in, built_in_names
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -170,6 +171,11 @@ def test_impossible_measurements_are_named(name: str) -> None:
 
 def test_outlines_are_simple_and_stitches_can_be_sewn(pattern: Pattern) -> None:
     check_pattern(pattern)
+    for panel in pattern.panels:
+        polygon, _ = outline(panel, default_segments(panel))
+        # where an outline crosses itself, loops of opposite sense count against each other in the signed area
+        inside = manifold3d.CrossSection([polygon], manifold3d.FillRule.EvenOdd).area()
+        assert abs(signed_area(polygon)) == pytest.approx(inside, rel=1e-6), panel.name
 
 
 def test_stitched_edges_are_equally_long(pattern: Pattern) -> None:
