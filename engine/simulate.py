@@ -54,13 +54,16 @@ class Simulation(ClothRun):
         return self.record
 
     def _remesh(self) -> None:
-        """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed."""
+        """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed.
+
+        Cloth that has not moved yet keeps its mesh: a flat one would lose what its first folds need.
+        """
         plan, record = self.plan, self.record
-        if plan.sizing is None or (len(record.crossings) - 1) % plan.remesh_frames:
+        if plan.sizing is None or not record.steps or (len(record.crossings) - 1) % plan.remesh_frames:
             return
         away = self.stepper.x - self._meshed_at
         away -= away.mean(axis=0)
-        if record.steps and float(np.sqrt((away**2).sum() / len(away))) < MOVED * plan.sizing.size_min:
+        if float(np.sqrt((away**2).sum() / len(away))) < MOVED * plan.sizing.size_min:
             return
         # Its kernels are compiled for scenes that ask for it only.
         from toile.engine.remeshing import remesh_run

@@ -16,6 +16,9 @@ from toile.engine.simulate import Simulation
 from toile.geometry.arrays import Float, Int
 from toile.remesh.sizing import SizingOptions
 
+SAMPLED = 0.2
+"""Time between the surfaces of a film that are compared [s]."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
@@ -35,8 +38,9 @@ class Run:
         Largest rise and fall of the elastic energy in a remeshing, as a share of it.
     drape_coefficient
         Area of the shadow along the rest normal over the area of the cloth, mean over the second half.
-    surface
-        Nodes [m], shape (n, 3), and faces, shape (t, 3), at the end.
+    surfaces
+        Nodes [m], shape (n, 3), and faces, shape (t, 3): of a film after every SAMPLED seconds, of a drape at
+        the end.
     """
 
     cpu: float
@@ -46,16 +50,19 @@ class Run:
     energy_jump: float
     energy_drop: float
     drape_coefficient: float
-    surface: tuple[Float, Int]
+    surfaces: tuple[tuple[Float, Int], ...]
 
 
 def run_film(scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions | None) -> Run:
     """Run a film for its own length or `seconds`, on an adaptive mesh if `sizing` says how."""
     _load()
     length = seconds or scene.seconds
-    shadows = []
+    shadows, surfaces = [], []
+    every = round(SAMPLED / scene.plan.frame_seconds)
 
     def on_frame(frame: FilmFrame) -> bool:
+        if frame.index and frame.index % every == 0:
+            surfaces.append((frame.cloth.positions, frame.cloth.face_nodes))
         if frame.seconds > 0.5 * length:
             shadows.append(_shadow(frame.cloth.positions, frame.cloth.face_nodes, normal))
         return True
@@ -74,7 +81,7 @@ def run_film(scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions
         energy_jump=max(jumps, default=0.0),
         energy_drop=-min(jumps, default=0.0),
         drape_coefficient=float(np.mean(shadows)) / float(scene.cloth.rest_area.sum()),
-        surface=(film.stepper.x.copy(), film.stepper.faces),
+        surfaces=tuple(surfaces),
     )
 
 
@@ -102,7 +109,7 @@ def run_shirt(edge: float, sizing: SizingOptions | None) -> Run:
         energy_jump=report["remeshing"]["energy_jump_max"],
         energy_drop=0.0,
         drape_coefficient=0.0,
-        surface=(garment.positions, garment.faces),
+        surfaces=((garment.positions, garment.faces),),
     )
 
 
