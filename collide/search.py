@@ -1,5 +1,7 @@
 """The contact search of one cloth topology against one avatar: candidates carried over between steps."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import types
 
@@ -25,6 +27,14 @@ def _grown_boxes(p, faces, reach, boxes):  # type: ignore[no-untyped-def]
             boxes[t, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis]) + grow
 
 
+def _sweep_boxes(ends: Float, faces: Int, reach: Float, boxes: Float) -> None:
+    """Let boxes of faces [m], shape (t, 6), contain those at the ends of their motion as well."""
+    swept = np.empty_like(boxes)
+    _grown_boxes(ends, faces, reach, swept)
+    np.minimum(boxes[:, :3], swept[:, :3], out=boxes[:, :3])
+    np.maximum(boxes[:, 3:], swept[:, 3:], out=boxes[:, 3:])
+
+
 class AvatarSurface:
     """An avatar, ready to be searched: shared by all topologies of a run.
 
@@ -33,7 +43,10 @@ class AvatarSurface:
     vertices
         Current positions [m], shape (v, 3); change them through `move_to`.
     motion
-        How far each vertex may move before the next search [m], shape (v,).
+        How far each vertex may move before the next search [m], shape (v,): from where it is or, with a
+        drift, from the place that drifts along.
+    drift
+        Where the vertices are going [m], shape (v, 3), or None.
     """
 
     def __init__(self, vertices: Float, faces: Int) -> None:
@@ -41,20 +54,32 @@ class AvatarSurface:
         self.faces = faces
         self.surface = surface_of(faces)
         self.motion = np.zeros(len(vertices))
+        self.drift: Float | None = None
         self.boxes = np.empty((len(faces), 6))
         self._tree: bvh.Bvh | None = None
         self._reach = np.full(len(vertices), -1.0)
+
+    def stay(self) -> None:
+        """Expect no motion in the next search."""
+        self.motion = np.zeros(len(self.vertices))
+        self.drift = None
 
     def move_to(self, vertices: Float) -> None:
         """Put the vertices elsewhere; the next search refits the hierarchy."""
         self.vertices = vertices
         self._reach[:] = -1.0
 
-    def tree(self, reach: Float) -> bvh.Bvh:
-        """Hierarchy over the faces, each grown by the largest reach of its vertices [m], shape (v,)."""
-        if self._tree is None or not np.array_equal(reach, self._reach):
+    def tree(self, reach: Float, ends: Float | None = None) -> bvh.Bvh:
+        """Hierarchy over the faces, each grown by the largest reach of its vertices [m], shape (v,).
+
+        With `ends` [m], shape (v, 3), the faces are swept to them.
+        """
+        if self._tree is None or ends is not None or not np.array_equal(reach, self._reach):
             _grown_boxes(self.vertices, self.faces, reach, self.boxes)
             self._reach = reach.copy()
+            if ends is not None:
+                _sweep_boxes(ends, self.faces, reach, self.boxes)
+                self._reach[:] = -1.0
             if self._tree is None:
                 self._tree = bvh.build(self.boxes)
             else:
@@ -69,6 +94,25 @@ class AvatarSurface:
         shares = np.repeat(area / 3.0, 3)
         count = len(self.vertices)
         return np.asarray(np.bincount(self.faces.ravel(), weights=shares, minlength=count), np.float64)
+
+
+class Cover(NamedTuple):
+    """For which places candidates are complete.
+
+    Nodes may be `allowed` [m], shape (n,), away from `origin` [m], shape (n, 3), or from places that `drift`
+    [m] away from there, all at the same pace.
+    """
+
+    origin: Float
+    allowed: Float
+    drift: Float | None
+
+    def allowance(self, x: Float) -> Float:
+        """How far nodes may still move from x [m], shape (n,)."""
+        away = x - self.origin
+        if self.drift is not None:
+            away -= _pace(away, self.drift) * self.drift
+        return np.asarray(self.allowed - np.sqrt(np.einsum("ij,ij->i", away, away)))
 
 
 class ContactSearch:
@@ -117,9 +161,8 @@ class ContactSearch:
             self._avatar_surface = Surface(shifted, avatar.surface.owns_vertex, avatar.surface.owns_edge)
         self._boxes = np.empty((len(face_nodes), 6))
         self._tree: bvh.Bvh | None = None
-        self._origin = np.full((count, 3), np.nan)
-        self._allowed = np.zeros(count)
-        self._drift: Float | None = None
+        self._among_cloth = self._with_body = Cover(np.full((count, 3), np.nan), np.zeros(count), None)
+        self._avatar_origin = np.empty((0, 3))
         self.body: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
         self.cloth: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
         self.rebuilds = 0
@@ -148,71 +191,118 @@ class ContactSearch:
         self.expire()
 
     def expire(self) -> None:
-        """Make all allowances void: the avatar has moved."""
-        self._origin[:] = np.nan
+        """Make all allowances void: what may touch what has changed."""
+        self._among_cloth.origin[:] = np.nan
+        self._with_body.origin[:] = np.nan
 
-    def allowance(self, x: Float) -> Float:
+    def expire_body(self) -> None:
+        """Make allowances against the avatar void: it has moved."""
+        self._with_body.origin[:] = np.nan
+
+    def allowance(self, x: Float, avatar: Float | None = None) -> Float:
         """How far each node may still move from x before the candidates are incomplete [m], shape (n,).
 
-        Negative where a node has moved too far already; not a number before the first search.
+        Negative where a node has moved too far already; not a number before the first search. With the places
+        of the avatar's vertices, shape (v, 3), theirs follow, shape (n + v,).
         """
-        away = x - self._origin
-        if self._drift is not None:
-            away -= _pace(away, self._drift) * self._drift
-        used = np.sqrt(np.einsum("ij,ij->i", away, away))
-        return np.asarray(self._allowed - used)
+        if self._avatar is None:
+            return self._among_cloth.allowance(x)
+        if avatar is None:
+            left = self._with_body.allowance(x)
+        else:
+            surface, cover = self._avatar, self._with_body
+            still = np.zeros_like(x) if cover.drift is None else cover.drift
+            moving = np.zeros_like(avatar) if surface.drift is None else surface.drift
+            both = Cover(
+                np.concatenate([cover.origin, self._avatar_origin]),
+                np.concatenate([cover.allowed, surface.motion]),
+                np.concatenate([still, moving]),
+            )
+            left = both.allowance(np.concatenate([x, avatar]))
+        if self._self_contact:
+            count = self._count
+            left[:count] = np.minimum(left[:count], self._among_cloth.allowance(x))
+        return left
 
-    def covers(self, x: Float) -> bool:
-        """Whether the candidates are complete for nodes at x and on the straight way there."""
-        return bool((self.allowance(x) >= 0.0).all())
+    def covers(self, x: Float, avatar: Float | None = None) -> bool:
+        """Whether the candidates are complete for nodes at x and on the straight way there.
 
-    def search(self, x: Float, motion: Float, *, drift: Float | None = None, body_only: bool = False) -> None:
+        `avatar` are the places of its vertices then [m], shape (v, 3); without it they have not moved.
+        """
+        return bool((self.allowance(x, avatar) >= 0.0).all())
+
+    def covers_cloth(self, x: Float) -> bool:
+        """Whether the candidates within the cloth are complete for nodes at x and on the way there."""
+        return not self._self_contact or bool((self._among_cloth.allowance(x) >= 0.0).all())
+
+    def search(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
 
         With a `drift` [m], shape (n, 3), nodes may move as far from places that drift along, from x to x +
-        drift all at the same pace: pairs that drift together are not listed. `body_only` leaves the pairs
-        within the cloth as they were: enough to move the avatar alone.
+        drift all at the same pace: pairs that drift together are not listed.
         """
-        self.place(x)
-        self._origin = x.copy()
-        self._allowed = motion.copy()
-        self._drift = None if drift is None else drift.copy()
-        self._reach[: self._count] = 0.5 * self._radius_self + motion
-        self.rebuilds += 1
-        if self._self_contact and not body_only:
-            # Common motion does not matter among the cloth itself.
-            ends = self._ends(None if drift is None else drift - drift.mean(axis=0))
-            tree = self._own_tree(ends)
-            self.cloth = find_candidates(
-                self.positions, self.weld, self._ghost, self._surface, self._boxes, tree, None, self._boxes,
-                tree, self._reach, ends,
-            )  # fmt: skip
-        if self._avatar is not None and self._avatar_surface is not None:
-            ends = self._ends(drift)
-            own = self._own_tree(ends)
-            self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
-            tree = self._avatar.tree(self._reach[self._count :])
-            self.body = find_candidates(
-                self.positions, self.weld, self._ghost, self._surface, self._boxes, own, self._avatar_surface,
-                self._avatar.boxes, tree, self._reach, ends,
-            )  # fmt: skip
+        self.search_cloth(x, motion, drift=drift)
+        self.search_body(x, motion, drift=drift)
 
-    def _ends(self, drift: Float | None) -> Float:
-        """Return the places that all vertices drift to [m], shape (n, 3)."""
-        if drift is None:
+    def search_cloth(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
+        """Find all pairs within the cloth, as `search` does."""
+        self.rebuilds += 1
+        if not self._self_contact:
+            return
+        self._begin(x, motion)
+        self._among_cloth = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
+        # Common motion does not matter among the cloth itself.
+        ends = self._ends(None if drift is None else drift - drift.mean(axis=0))
+        tree = self._own_tree(ends)
+        self.cloth = find_candidates(
+            self.positions, self.weld, self._ghost, self._surface, self._boxes, tree, None, self._boxes,
+            tree, self._reach, ends,
+        )  # fmt: skip
+
+    def search_body(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
+        """Find all pairs of cloth and avatar, as `search` does."""
+        if self._avatar is None or self._avatar_surface is None:
+            return
+        self._begin(x, motion)
+        self._with_body = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
+        self._avatar_origin = self._avatar.vertices
+        ends = self._ends(drift, self._avatar.drift)
+        own = self._own_tree(ends)
+        self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
+        tree = self._avatar.tree(
+            self._reach[self._count :], None if self._avatar.drift is None else ends[self._count :]
+        )
+        self.body = find_candidates(
+            self.positions, self.weld, self._ghost, self._surface, self._boxes, own, self._avatar_surface,
+            self._avatar.boxes, tree, self._reach, ends,
+        )  # fmt: skip
+
+    def _begin(self, x: Float, motion: Float) -> None:
+        """Place the nodes and give them their reach for a search."""
+        self.place(x)
+        self._reach[: self._count] = 0.5 * self._radius_self + motion
+
+    def _ends(self, drift: Float | None, avatar_drift: Float | None = None) -> Float:
+        """Return the places that all vertices drift to [m], shape (n, 3).
+
+        Where the avatar drifts too, its mean motion is left out on both sides: common motion does not matter.
+        """
+        if drift is None and avatar_drift is None:
             return self.positions
         ends = self.positions.copy()
-        ends[: self._count] += drift
+        if drift is not None:
+            ends[: self._count] += drift
+        if avatar_drift is not None:
+            common = avatar_drift.mean(axis=0)
+            ends[: self._count] -= common
+            ends[self._count :] += avatar_drift - common
         return ends
 
     def _own_tree(self, ends: Float) -> bvh.Bvh:
         """Hierarchy over the cloth's faces, swept to their ends and grown by their reach."""
         _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
         if ends is not self.positions:
-            swept = np.empty_like(self._boxes)
-            _grown_boxes(ends, self._surface.faces, self._reach, swept)
-            np.minimum(self._boxes[:, :3], swept[:, :3], out=self._boxes[:, :3])
-            np.maximum(self._boxes[:, 3:], swept[:, 3:], out=self._boxes[:, 3:])
+            _sweep_boxes(ends, self._surface.faces, self._reach, self._boxes)
         if self._tree is None:
             self._tree = bvh.build(self._boxes)
         else:

@@ -34,7 +34,7 @@ def grow_avatar(stepper: ClothStepper, target: Float, longest: float, carry: boo
     share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
     avatar.motion = length * share
     count = len(stepper.x)
-    search.search(stepper.x, np.zeros(count), body_only=True)
+    search.search_body(stepper.x, np.zeros(count))
     move = np.zeros_like(search.positions)
     move[count:] = wanted * share[:, None]
     factor = safe_factors(search.positions, move, *search.body)
@@ -57,6 +57,6 @@ def put_avatar(stepper: ClothStepper, vertices: Float) -> None:
     """Put the avatar's vertices somewhere [m], shape (v, 3), whatever cloth is there."""
     assert stepper.avatar is not None and stepper.search is not None
     stepper.avatar.move_to(np.ascontiguousarray(vertices))
-    stepper.avatar.motion = np.zeros(len(vertices))
+    stepper.avatar.stay()
     stepper.anchor[len(stepper.x) :] = vertices
     stepper.search.expire()

@@ -6,6 +6,7 @@ from toile.collide.audit import Crossings
 from toile.engine.cloth import Cloth
 from toile.engine.remeshing_record import Remeshing
 from toile.engine.step_request import StepOptions
+from toile.geometry.arrays import Float
 from toile.remesh.sizing import SizingOptions
 
 
@@ -36,6 +37,10 @@ class FilmPlan:
         How fine the mesh should be as the cloth moves; None keeps it as it is.
     remesh_frames
         Frames between two remeshings at least.
+    speed_max
+        Speed of an avatar's vertex above which it jumps rather than moves [m/s]: the film ends.
+    lag_max
+        How far cloth may hold an avatar's vertex back [m]: beyond, the film ends.
     """
 
     step: StepOptions
@@ -49,6 +54,8 @@ class FilmPlan:
     cg_tolerance: float = 1e-2
     sizing: SizingOptions | None = None
     remesh_frames: int = 5
+    speed_max: float = 40.0
+    lag_max: float = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +78,10 @@ class FilmFrame:
         Smallest gap of a contact since the last frame [m]; infinite if there was none.
     stretch_max
         Largest stretch along warp or weft.
+    avatar
+        The avatar's vertices as cloth met them [m], shape (v, 3), or None.
+    lag
+        How far one of them is from where the motion wants it [m]: cloth caught between skins holds it back.
     """
 
     index: int
@@ -81,6 +92,8 @@ class FilmFrame:
     contacts: int
     min_gap: float
     stretch_max: float
+    avatar: Float | None
+    lag: float
 
 
 @dataclass
@@ -89,7 +102,8 @@ class FilmRecord:
 
     `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
     were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
-    faces, steps since the last frame, largest stretch, smallest gap [m]; `remeshings` one per remeshing.
+    faces, steps since the last frame, largest stretch, smallest gap [m], avatar's lag [m]; `remeshings` one
+    per remeshing. `failure` says why a film ended early, empty if it did not.
     """
 
     steps: int = 0
@@ -99,9 +113,11 @@ class FilmRecord:
     cg_iterations: int = 0
     simulated_seconds: float = 0.0
     cancelled: bool = False
+    failure: str = ""
     crossings: list[tuple[int, int]] = field(default_factory=list)
     faces: list[int] = field(default_factory=list)
     steps_per_frame: list[int] = field(default_factory=list)
     stretch_max: list[float] = field(default_factory=list)
     min_gap: list[float] = field(default_factory=list)
+    lag: list[float] = field(default_factory=list)
     remeshings: list[Remeshing] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""The film of cloth in motion on a still obstacle: implicit steps with velocities, frames at a fixed rate."""
+"""The film of cloth in motion on a still or moving avatar: implicit steps, frames at a fixed rate."""
 
 from collections.abc import Callable
 from math import ceil, inf
@@ -6,6 +6,7 @@ from time import process_time
 
 import numpy as np
 
+from toile.engine.avatar_motion import AvatarMotion
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord
@@ -18,40 +19,70 @@ MOVED = 1.0
 """RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
 RELAXING = 0.01
 """Step size in which the nodes around remeshed faces find their places [s]."""
+CATCHING_UP = 12
+"""Short steps at most in which cloth gives way to an avatar that it has held back."""
+ARRIVED = 1e-9
+"""Distance at which an avatar's vertex counts as where it shall be [m]."""
 
 
 class Simulation(ClothRun):
     """A film in progress: call `run`.
 
-    The avatar is given as (vertices, faces) and does not move. `on_frame` is called with every audited frame
-    and ends the film by returning False.
+    The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
+    does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
+    motion there until they part. `on_frame` is called with every audited frame and ends the film by returning
+    False.
     """
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, plan: FilmPlan,
-        on_frame: Callable[[FilmFrame], bool],
+        on_frame: Callable[[FilmFrame], bool], motion: AvatarMotion | None = None,
     ) -> None:  # fmt: skip
         super().__init__(cloth, avatar, plan.step, StageClock(now=process_time))
         self.plan = plan
         self.on_frame = on_frame
+        self.motion = motion
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
         self._h = plan.longest_step
         self._contacts = 0
         self._min_gap = inf
         self._steps = 0
+        self._avatar_speed = 0.0
+        self._lags = 0.0
 
     def run(self, seconds: float) -> FilmRecord:
         """Advance by `seconds`, rounded to whole frames, or until on_frame returns False."""
         if not self.record.crossings:
             self._close_frame()
         for _ in range(round(seconds / self.plan.frame_seconds)):
-            if self.record.cancelled:
+            if self.record.cancelled or self._jumps():
                 break
             self._remesh()
             self._advance(self.plan.frame_seconds)
+            self._catch_up()
             self._close_frame()
+            if self.record.failure:
+                break
         return self.record
+
+    def _frame_time(self) -> float:
+        """Time of the last frame [s]."""
+        return (len(self.record.crossings) - 1) * self.plan.frame_seconds
+
+    def _jumps(self) -> bool:
+        """Whether the avatar jumps until the next frame: no cloth can follow."""
+        if self.motion is None:
+            return False
+        speed, vertex = self.motion.speed(self._frame_time(), self.plan.frame_seconds)
+        self._avatar_speed = speed
+        if speed > self.plan.speed_max:
+            self.record.failure = (
+                f"the avatar jumps after frame {len(self.record.crossings) - 1}: its vertex {vertex} moves "
+                f"{speed * self.plan.frame_seconds:.2f} m in {self.plan.frame_seconds:.3g} s; give more "
+                "frames in between, or start a new scene there"
+            )
+        return bool(self.record.failure)
 
     def _remesh(self) -> None:
         """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed.
@@ -81,10 +112,10 @@ class Simulation(ClothRun):
         plan, record = self.plan, self.record
         left = seconds
         while left > 1e-9 * seconds:
-            speed = float(np.linalg.norm(self.stepper.v, axis=1).max())
+            speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._avatar_speed)
             wished = min(self._h, plan.motion_max / max(speed, 1e-300))
             h = left / ceil(left / wished - 1e-9)
-            outcome, good = self._attempt(h)
+            outcome, good = self._attempt(h, self._frame_time() + seconds - left + h)
             if outcome is None:
                 self._h = 0.5 * h
                 continue
@@ -97,8 +128,8 @@ class Simulation(ClothRun):
             self._contacts = outcome.contacts
             self._min_gap = min(self._min_gap, outcome.min_gap)
 
-    def _attempt(self, h: float) -> tuple[StepOutcome | None, bool]:
-        """Try a step of size h [s]: its outcome or, undone, None; and whether it went well."""
+    def _attempt(self, h: float, until: float) -> tuple[StepOutcome | None, bool]:
+        """Try a step of size h until a time [s]: its outcome or, undone, None; and whether it went well."""
         plan, stepper, record = self.plan, self.stepper, self.record
         before = self.stretch_max()
         saved = stepper.save()
@@ -106,6 +137,7 @@ class Simulation(ClothRun):
             StepRequest(
                 h=h, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
                 cg_tolerance=plan.cg_tolerance, motion_max=inf,
+                avatar_target=None if self.motion is None else self.motion.at(until),
             )
         )  # fmt: skip
         record.newton_iterations += outcome.newton_iterations
@@ -120,6 +152,39 @@ class Simulation(ClothRun):
         record.forced += 1
         return outcome, False
 
+    def _lag(self) -> float:
+        """Largest distance of an avatar's vertex from where it shall be at the end of this frame [m]."""
+        if self.motion is None or self.surface is None:
+            return 0.0
+        target = self.motion.at(self._frame_time() + self.plan.frame_seconds)
+        return float(np.linalg.norm(target - self.surface.vertices, axis=1).max())
+
+    def _catch_up(self) -> None:
+        """Let cloth give way where it holds the avatar back, without time passing."""
+        plan, stepper = self.plan, self.stepper
+        lag = self._lag()
+        if lag > ARRIVED and self.motion is not None:
+            velocities = stepper.v
+            target = self.motion.at(self._frame_time() + plan.frame_seconds)
+            for _ in range(CATCHING_UP):
+                stepper.v = np.zeros_like(stepper.x)
+                stepper.step(
+                    StepRequest(
+                        h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
+                        motion_max=inf, avatar_target=target,
+                    )
+                )  # fmt: skip
+                before, lag = lag, self._lag()
+                if lag <= ARRIVED or lag > 0.9 * before:
+                    break
+            stepper.v = velocities
+        if lag > plan.lag_max:
+            self.record.failure = (
+                f"cloth holds the avatar back by {1e3 * lag:.0f} mm in frame {len(self.record.crossings)}: "
+                "it is caught where it cannot give way"
+            )
+        self._lags = lag
+
     def stretch_max(self) -> float:
         """Largest stretch along warp or weft now."""
         return float(self.warp_weft_strain().max())
@@ -127,17 +192,21 @@ class Simulation(ClothRun):
     def _close_frame(self) -> None:
         """Audit the cloth as it is, hand it out and book it."""
         record = self.record
+        if self.motion is not None:
+            self.auditor = None
         crossings = self.audited_cloth()
         frame = FilmFrame(
             index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,
             crossings=crossings, steps=self._steps, contacts=self._contacts, min_gap=self._min_gap,
             stretch_max=self.stretch_max(),
+            avatar=None if self.surface is None else self.surface.vertices, lag=self._lags,
         )  # fmt: skip
         record.crossings.append((len(crossings.avatar), len(crossings.cloth)))
         record.faces.append(len(self.cloth.faces))
         record.steps_per_frame.append(frame.steps)
         record.stretch_max.append(frame.stretch_max)
         record.min_gap.append(frame.min_gap)
+        record.lag.append(frame.lag)
         self._steps, self._contacts, self._min_gap = 0, 0, inf
         if not self.on_frame(frame):
             record.cancelled = True

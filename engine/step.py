@@ -22,18 +22,22 @@ from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
+from toile.engine.friction_anchors import slid_anchors
 from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.choice import make_preconditioner
+from toile.engine.safe_motion import (
+    LEAST_ALLOWANCE,
+    MOTION_AHEAD,
+    STEPS_AHEAD,
+    expect_avatar,
+    safe_in_motion,
+)
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
-MOTION_AHEAD = 1.1
-LEAST_ALLOWANCE = 1e-3
-"""Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
-STEPS_AHEAD = 3.0
 DRIFT_ALLOWANCE = 5e-3
-"""In motion candidates cover STEPS_AHEAD steps and, beside them, DRIFT_ALLOWANCE [m]."""
+"""Room that candidates in motion have beside the drift of the nodes [m]."""
 OVERSIZE = 4.0
 """Candidates for more than this many times the motion at hand are too many, and searched anew."""
 LANDING = 20.0
@@ -52,11 +56,12 @@ FEW = 0.02
 
 
 class Saved(NamedTuple):
-    """Node positions [m], velocities [m/s] and friction anchors [m] before a step."""
+    """Node positions [m], velocities [m/s], friction anchors [m] and avatar vertices [m] before a step."""
 
     positions: Float
     velocities: Float
     anchor: Float | None
+    avatar: Float | None
 
 
 class ClothStepper:
@@ -123,8 +128,13 @@ class ClothStepper:
         self._allowed = np.full(len(self.x), DRIFT_ALLOWANCE)
         clock.add("assembly", started)
 
-    def contacts(self, request: StepRequest, ahead: Float | None = None) -> Contacts | None:
-        """Find and evaluate contacts at the current positions, and those that motion `ahead` [m] leads to."""
+    def contacts(
+        self, request: StepRequest, ahead: Float | None = None, avatar_ahead: Float | None = None
+    ) -> Contacts | None:
+        """Find and evaluate contacts at the current positions, and those that motion leads to.
+
+        `ahead` is the expected motion of the nodes [m], shape (n, 3), `avatar_ahead` the avatar's, (v, 3).
+        """
         if self.search is None:
             return None
         if ahead is None:
@@ -132,6 +142,9 @@ class ClothStepper:
             if not (allowance > 0.0).all() or allowance.max() > OVERSIZE * motion.max():
                 self.search.search(self.x, motion)
             moving = NO_MOTION
+        elif avatar_ahead is not None and self.avatar is not None:
+            expect_avatar(self.search, self.avatar, avatar_ahead, self.x, ahead, self._allowed)
+            moving = np.concatenate([ahead, avatar_ahead])
         else:
             # Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
             missed = np.count_nonzero(~(self.search.allowance(self.x + ahead) >= 0.0))
@@ -174,13 +187,18 @@ class ClothStepper:
 
     def save(self) -> Saved:
         """Return what a step changes, so that it can be tried again."""
-        return Saved(self.x.copy(), self.v.copy(), None if self.search is None else self.anchor.copy())
+        anchor = None if self.search is None else self.anchor.copy()
+        return Saved(
+            self.x.copy(), self.v.copy(), anchor, None if self.avatar is None else self.avatar.vertices
+        )
 
     def restore(self, saved: Saved) -> None:
         """Go back to where the stepper was when it was saved."""
         self.x[:], self.v = saved.positions, saved.velocities.copy()
         if saved.anchor is not None:
             self.anchor[:] = saved.anchor
+        if self.avatar is not None and saved.avatar is not None:
+            self.avatar.move_to(saved.avatar)
 
     def step(self, request: StepRequest) -> StepOutcome:
         """Advance the cloth by one step; positions never pass through each other or the avatar."""
@@ -198,9 +216,14 @@ class ClothStepper:
         node_diagonal = self.mass / h**2
         if self.wind is not None:
             self.wind.begin(start)
+        avatar_ahead: Float | None = None
         for _ in range(request.newton):
             now = self.clock.now()
-            contacts = self.contacts(request, None if request.at_rest else start + ahead - self.x)
+            if request.avatar_target is not None and self.avatar is not None:
+                avatar_ahead = request.avatar_target - self.avatar.vertices
+            contacts = self.contacts(
+                request, None if request.at_rest else start + ahead - self.x, avatar_ahead
+            )
             now = self.clock.add("contact", now)
             self.membrane.evaluate(self.x)
             self.blocks[:] = 0.0
@@ -244,7 +267,7 @@ class ClothStepper:
                 move = self._backed_off(move, gradient)
                 self._motion = np.linalg.norm(move, axis=1)
             else:
-                move, limited = self._safe_in_motion(result.solution)
+                move, limited = self._safe_in_motion(result.solution, avatar_ahead)
             outcome.limited = limited
             self.x += move
             self.clock.add("contact", now)
@@ -256,8 +279,28 @@ class ClothStepper:
             outcome.converged &= last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
         self.v = np.zeros_like(self.x) if request.at_rest else (self.x - start) / h
-        self._slide_anchors(contacts)
+        if contacts is not None:
+            count = len(self.x)
+            carried = None
+            if request.avatar_target is not None and self.avatar is not None:
+                carried = self.avatar.vertices - self.anchor[count:]
+                self.anchor[count:] = self.avatar.vertices
+                self.avatar.stay()
+                assert self.search is not None
+                self.search.expire_body()
+            self.anchor[:count] = slid_anchors(
+                self.x, self.anchor[:count], contacts, self.options.slip, carried
+            )
         return outcome
+
+    def _safe_in_motion(self, wanted: Float, avatar_wanted: Float | None) -> tuple[Float, int]:
+        """Shorten displacements to what is safe and move the avatar; also count the nodes held back."""
+        if self.search is None:
+            return wanted, 0
+        done = safe_in_motion(self.search, self.x, wanted, self._allowed, self.avatar, avatar_wanted)
+        if avatar_wanted is not None and self.avatar is not None:
+            self.avatar.move_to(self.avatar.vertices + done.avatar)
+        return done.cloth, done.limited
 
     def _stitch_target(self, stitches: Stitches, request: StepRequest) -> Float:
         """Rest length of every stitch [m]: on schedule, but a blocked one pulls no harder than its reach."""
@@ -309,32 +352,6 @@ class ClothStepper:
             move, _ = self._safe(factor[:, None] * move, np.inf)
         return move
 
-    def _safe_in_motion(self, wanted: Float) -> tuple[Float, int]:
-        """Shorten a displacement to what is safe; also count the nodes held back.
-
-        Candidates for a common drift leave out pairs that move together. Where the guard tears such a pair
-        apart, they are searched again with room for what it held back.
-        """
-        search = self.search
-        if search is None:
-            return wanted, 0
-        if not (search.covers(self.x) and search.covers(self.x + wanted)):
-            search.search(self.x, self._allowed, drift=wanted)
-        room = self._allowed
-        for attempt in range(4):
-            search.place(self.x)
-            move = np.zeros_like(search.positions)
-            move[: len(self.x)] = wanted
-            factor = safe_factors(search.positions, move, *search.pairs)[: len(self.x)]
-            done = wanted * factor[:, None]
-            if search.covers(self.x + done):
-                return done, int(np.count_nonzero(factor < 1.0))
-            length = np.linalg.norm(wanted, axis=1)
-            lost = length if attempt == 2 else (1.0 - factor) * length
-            room = np.maximum(room, LEAST_ALLOWANCE + MOTION_AHEAD * lost)
-            search.search(self.x, room, drift=wanted)
-        return np.zeros_like(wanted), len(wanted)
-
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.
 
@@ -370,16 +387,3 @@ class ClothStepper:
         """Membrane and bending energy at the current positions [J]."""
         bending = 0.0 if self.bending is None else self.bending.energy(self.x)
         return self.membrane.energy(self.x) + bending
-
-    def _slide_anchors(self, contacts: Contacts | None) -> None:
-        """Let friction anchors follow: free nodes take them along, sliding ones drag them at slip length."""
-        if contacts is None:
-            return
-        count = len(self.x)
-        touching = np.zeros(count, bool)
-        used = contacts.nodes[contacts.nodes >= 0]
-        touching[used] = True
-        offset = self.x - self.anchor[:count]
-        length = np.linalg.norm(offset, axis=1)
-        keep = np.where(touching, np.minimum(1.0, self.options.slip / np.maximum(length, 1e-300)), 0.0)
-        self.anchor[:count] = self.x - offset * keep[:, None]

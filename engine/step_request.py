@@ -81,6 +81,8 @@ class StepRequest:
         Relative residual and iteration limit of the linear solver.
     motion_max
         Longest motion of a node in one Newton iteration [m].
+    avatar_target
+        Where the avatar's vertices shall be after a step in motion [m], shape (v, 3); None leaves them.
     """
 
     h: float
@@ -99,6 +101,7 @@ class StepRequest:
     cg_tolerance: float = 1e-2
     cg_iterations: int = 300
     motion_max: float = 0.03
+    avatar_target: Float | None = None
 
 
 @dataclass

@@ -9,6 +9,9 @@ from 0 to 1 at |u| = slip (Li et al. 2020, section 5).
 Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer than
 r / 2 is a contact already: the quadratic law, extended to d > r at a stiffness that outweighs inertia, makes
 the linear solve end near the gap r, so that an impact takes one step of any size.
+
+An avatar that moves in a step counts with the gap and the slip that its motion alone leads to: its cloth is
+pushed and dragged within the same linear solve.
 """
 
 from dataclasses import dataclass
@@ -21,6 +24,8 @@ from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_I32_2, kernel
 
 NO_MOTION = np.empty((0, 3))
+CLOSEST = 0.1
+"""Least gap that an avatar in motion is taken to leave, as a share of the contact radius."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,8 @@ class Contacts:
         Positive semi-definite stiffness [N/m], shape (c, 3, 3).
     gap
         Distance [m], shape (c,).
+    vertices
+        The four vertices of a pair, nodes first, then avatar vertices, shape (c, 4).
     body
         Number of leading rows whose other side is the avatar.
     energy
@@ -48,6 +55,7 @@ class Contacts:
     force: Float
     stiffness: Float
     gap: Float
+    vertices: Int
     body: int
     energy: float
 
@@ -72,12 +80,12 @@ class Contacts:
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
         types.float64, types.float64, F64_2, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2,
-        OUT_F64_3, OUT_F64_1, OUT_F64_1,
+        OUT_F64_3, OUT_F64_1, OUT_I32_2, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
     p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, ahead, kappa_ahead,
-    begin, nodes, weights, force, stiffness, gap, energy,
+    begin, nodes, weights, force, stiffness, gap, vertices, energy,
 ):  # fmt: skip
     """Append the active pairs of one list from row `begin`; return the new row count."""
     count = begin
@@ -96,13 +104,22 @@ def _evaluate(  # type: ignore[no-untyped-def]
         nx = x / d
         ny = y / d
         nz = z / d
-        if d >= r:
-            meeting = d
+        sx = 0.0
+        sy = 0.0
+        sz = 0.0
+        meeting = d
+        if ahead.shape[0] > 0:
             for q in range(4):
                 v = pairs[row, q]
                 meeting += w[q] * (nx * ahead[v, 0] + ny * ahead[v, 1] + nz * ahead[v, 2])
-            if meeting >= 0.5 * r:
-                continue
+                if v >= cloth_nodes:
+                    sx += w[q] * ahead[v, 0]
+                    sy += w[q] * ahead[v, 1]
+                    sz += w[q] * ahead[v, 2]
+        # The gap that the avatar's motion alone leads to.
+        left = d + nx * sx + ny * sy + nz * sz
+        if (d >= r or left >= r) and meeting >= 0.5 * r:
+            continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
         patch = abs(w[0]) * area[i]
         other = abs(w[2]) * area[k] + abs(w[3]) * area[m]
@@ -112,18 +129,18 @@ def _evaluate(  # type: ignore[no-untyped-def]
             patch += abs(w[1]) * area[j]
         patch = 2.0 * min(patch, other)
         scale = 0.5 * (kappa if d < r else min(kappa, kappa_ahead)) * patch
-        if d >= 0.5 * r:
-            push = scale * (r - d)
+        if left >= 0.5 * r:
+            push = scale * (r - left)
             hard = scale
-            energy[0] += 0.5 * scale * (r - d) * (r - d)
+            energy[0] += 0.5 * scale * (r - left) * (r - left)
         else:
-            push = scale * r * r / (4.0 * d)
+            # An avatar that would pass through the cloth pushes it as if it had come this close.
+            close = max(left, min(d, CLOSEST * r))
+            push = scale * r * r / (4.0 * close)
             # Secant to the gap r where the force ends: the tangent would let Newton only double the gap.
-            hard = push / (r - d)
-            energy[0] += scale * r * r * (0.125 - 0.25 * np.log(2.0 * d / r))
-        sx = 0.0
-        sy = 0.0
-        sz = 0.0
+            hard = push / (r - close)
+            push += hard * (close - left)
+            energy[0] += scale * r * r * (0.125 - 0.25 * np.log(2.0 * close / r))
         for q in range(4):
             v = pairs[row, q]
             sx += w[q] * (p[v, 0] - p_start[v, 0])
@@ -166,6 +183,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         for q in range(4):
             v = pairs[row, q]
             weights[count, q] = w[q]
+            vertices[count, q] = v
             nodes[count, q] = v if v < cloth_nodes else -1
         count += 1
     return count
@@ -213,7 +231,8 @@ def evaluate_contacts(
         Slip at which friction is fully mobilised in this step [m].
     ahead
         Motion to come [m], shape (n, 3): pairs that it would bring closer than half the radius are
-        contacts already, without friction. Without it only pairs within the radius are.
+        contacts already, without friction. Without it only pairs within the radius are. That of avatar
+        vertices is certain: gap and slip count as after it.
     stiffness_ahead
         Pressure per depth of such contacts [Pa/m].
     """
@@ -223,6 +242,7 @@ def evaluate_contacts(
     force = np.empty((capacity, 3))
     stiffness = np.empty((capacity, 3, 3))
     gap = np.empty(capacity)
+    vertices = np.empty((capacity, 4), np.int32)
     energy = np.zeros(1)
     count = 0
     touching_body = 0
@@ -232,7 +252,8 @@ def evaluate_contacts(
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, law.friction,
-                    slip, share, ahead, stiffness_ahead, count, nodes, weights, force, stiffness, gap, energy,
+                    slip, share, ahead, stiffness_ahead, count, nodes, weights, force, stiffness, gap,
+                    vertices, energy,
                 )  # fmt: skip
         if pairs_of is body:
             touching_body = count
@@ -242,6 +263,7 @@ def evaluate_contacts(
         force[:count],
         stiffness[:count],
         gap[:count],
+        vertices[:count],
         touching_body,
         float(energy[0]),
     )

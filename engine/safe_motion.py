@@ -1,0 +1,104 @@
+"""The safe move of cloth in motion, and of the avatar with it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toile.collide.guard import safe_factors
+from toile.collide.search import AvatarSurface, ContactSearch
+from toile.geometry.arrays import Float
+
+MOTION_AHEAD = 1.1
+LEAST_ALLOWANCE = 1e-3
+"""Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
+SPREAD = 2e-3
+"""Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
+STEPS_AHEAD = 3.0
+"""Candidates within cloth in motion cover this many steps."""
+ATTEMPTS = 4
+"""Searches at most for one move."""
+
+
+class SafeMove(NamedTuple):
+    """Displacements of nodes, shape (n, 3), and avatar vertices, (v, 3), [m]; nodes that were held back."""
+
+    cloth: Float
+    avatar: Float
+    limited: int
+
+
+def expect_avatar(
+    search: ContactSearch, avatar: AvatarSurface, motion: Float, x: Float, ahead: Float, allowed: Float
+) -> None:
+    """See to it that all pairs are known that can touch as avatar and nodes move.
+
+    Candidates of an earlier iteration of the same step often still do.
+
+    Parameters
+    ----------
+    motion, ahead
+        How far the avatar's vertices will move [m], shape (v, 3), and the nodes about, shape (n, 3).
+    x
+        Nodes [m], shape (n, 3).
+    allowed
+        Room that nodes have beside their expected motion [m], shape (n,).
+    """
+    known = avatar.drift is not None and search.covers(x, avatar.vertices)
+    if known and search.covers(x + ahead, avatar.vertices + motion):
+        return
+    avatar.drift = motion
+    avatar.motion = np.full(len(motion), SPREAD)
+    if not (search.covers_cloth(x) and search.covers_cloth(x + ahead)):
+        search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
+    search.search_body(x, allowed, drift=ahead)
+
+
+def safe_in_motion(
+    search: ContactSearch, x: Float, wanted: Float, allowed: Float, avatar: AvatarSurface | None,
+    avatar_wanted: Float | None,
+) -> SafeMove:  # fmt: skip
+    """Shorten displacements to what is safe.
+
+    Candidates for a common drift leave out pairs that move together. Where the guard tears such a pair apart,
+    they are searched again with room for what it held back.
+
+    Parameters
+    ----------
+    search
+        Candidates; searched again where they are incomplete.
+    x, wanted
+        Nodes and their displacements [m], shape (n, 3).
+    allowed
+        Room that a new search gives nodes beside their drift [m], shape (n,).
+    avatar, avatar_wanted
+        The avatar, and how far its vertices shall move [m], shape (v, 3), where it does.
+    """
+    count = len(x)
+    start = None if avatar is None or avatar_wanted is None else avatar.vertices
+    move = np.zeros_like(search.positions)
+    move[:count] = wanted
+    if avatar_wanted is not None:
+        move[count:] = avatar_wanted
+
+    def covered(done: Float) -> bool:
+        return search.covers(x + done[:count], None if start is None else start + done[count:])
+
+    if not (covered(np.zeros_like(move)) and covered(move)):
+        search.search(x, allowed, drift=wanted)
+    room = allowed
+    length = np.linalg.norm(move, axis=1)
+    for attempt in range(ATTEMPTS):
+        search.place(x)
+        factor = safe_factors(search.positions, move, *search.pairs)
+        done = move * factor[:, None]
+        if covered(done):
+            return SafeMove(done[:count], done[count:], int(np.count_nonzero(factor[:count] < 1.0)))
+        lost = MOTION_AHEAD * (length if attempt == ATTEMPTS - 2 else (1.0 - factor) * length)
+        room = np.maximum(room, LEAST_ALLOWANCE + lost[:count])
+        if avatar is not None and start is not None:
+            avatar.motion = np.maximum(avatar.motion, LEAST_ALLOWANCE + lost[count:])
+        if not search.covers_cloth(x + done[:count]):
+            search.search_cloth(x, room, drift=wanted)
+        search.search_body(x, room, drift=wanted)
+    still = np.zeros_like(move)
+    return SafeMove(still[:count], still[count:], count)
