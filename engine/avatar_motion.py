@@ -1,11 +1,17 @@
 """How an avatar moves: its vertices at frames of equal distance in time, interpolated in between."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
-from toile.geometry.arrays import Float
+from toile.collide.skin_slots import SkinSlots
+from toile.geometry.arrays import Bool, Float, Int
+
+NEAR = 0.1
+"""Skin this far from cloth is held apart [m]: what comes near within two frames."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,21 +34,26 @@ class AvatarMotion:
         """Time from the first frame to the last [s]."""
         return (len(self.frames) - 1) / self.fps
 
-    def at(self, seconds: float) -> Float:
+    def pose(self, index: int) -> Float:
+        """Positions at a frame [m], shape (v, 3); before the first and after the last, theirs."""
+        return np.asarray(self.frames[min(max(index, 0), len(self.frames) - 1)], np.float64)
+
+    def at(self, seconds: float, pose: Callable[[int], Float] | None = None) -> Float:
         """Positions at a time [m], shape (v, 3): cubic through the frames, so that velocities do not jump.
 
         Tangents are central differences (Catmull-Rom); before the first and after the last frame it stays.
+        `pose` gives the frames instead, by number.
         """
+        pose = pose or self.pose
         place = min(max(seconds * self.fps, 0.0), len(self.frames) - 1.0)
         index = min(int(place), len(self.frames) - 2)
         s = place - index
         if s <= 1e-9 or s >= 1.0 - 1e-9:
             # Frames themselves come out as they are.
-            return np.asarray(self.frames[index + round(s)], np.float64)
-        start, end = self.frames[index].astype(np.float64), self.frames[index + 1].astype(np.float64)
-        before = self.frames[max(index - 1, 0)].astype(np.float64)
-        after = self.frames[min(index + 2, len(self.frames) - 1)].astype(np.float64)
-        leave, arrive = 0.5 * (end - before), 0.5 * (after - start)
+            return pose(index + round(s))
+        start, end = pose(index), pose(index + 1)
+        leave = 0.5 * (end - pose(max(index - 1, 0)))
+        arrive = 0.5 * (pose(min(index + 2, len(self.frames) - 1)) - start)
         ease = s * s * (3.0 - 2.0 * s)
         return np.asarray(
             start + ease * (end - start) + s * (s - 1.0) ** 2 * leave + s * s * (s - 1.0) * arrive
@@ -53,3 +64,37 @@ class AvatarMotion:
         away = np.linalg.norm(self.at(seconds + span) - self.at(seconds), axis=1)
         fastest = int(away.argmax())
         return float(away[fastest]) / span, fastest
+
+
+class AvatarPath:
+    """A motion whose skins are held apart where cloth is near: see SkinSlots.
+
+    A pose is worked out when it is first asked for, with the cloth as it was seen last. `poses` are those at
+    hand, by frame.
+    """
+
+    KEPT = 6
+    """Poses kept: interpolation needs four at a time."""
+
+    def __init__(self, motion: AvatarMotion, faces: Int) -> None:
+        self.motion = motion
+        self._slots = SkinSlots(motion.pose(0), faces)
+        self.poses: dict[int, Float] = {}
+        self._near: Bool = np.zeros(len(motion.pose(0)), bool)
+
+    def see(self, avatar: Float, cloth: Float) -> None:
+        """Look where cloth is near: avatar vertices, shape (v, 3), and nodes, shape (n, 3), now [m]."""
+        distance, _ = cKDTree(cloth).query(avatar, distance_upper_bound=NEAR)
+        self._near = np.asarray(distance) < NEAR
+
+    def at(self, seconds: float) -> Float:
+        """Positions at a time [m], shape (v, 3)."""
+        return self.motion.at(seconds, self._pose)
+
+    def _pose(self, index: int) -> Float:
+        """Positions at a frame, skins apart [m], shape (v, 3)."""
+        if index not in self.poses:
+            self.poses[index] = self._slots.held_apart(self.motion.pose(index), self._near)
+            for old in sorted(self.poses)[: -self.KEPT]:
+                del self.poses[old]
+        return self.poses[index]

@@ -96,6 +96,37 @@ class FilmFrame:
     lag: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class FilmState:
+    """All that a film needs to go on after a frame, with the same result.
+
+    Attributes
+    ----------
+    cloth
+        The cloth, with its velocities.
+    anchors
+        Friction anchors of its nodes [m], shape (n, 3), or None without contact.
+    avatar
+        The avatar's vertices [m], shape (v, 3), or None.
+    poses
+        Poses of the avatar that are worked out already [m], by frame.
+    meshed_at
+        Nodes when the mesh was adapted last [m], shape (n, 3).
+    longest_step
+        Step size that went well [s].
+    record
+        What was done.
+    """
+
+    cloth: Cloth
+    anchors: Float | None
+    avatar: Float | None
+    poses: dict[int, Float]
+    meshed_at: Float
+    longest_step: float
+    record: "FilmRecord"
+
+
 @dataclass
 class FilmRecord:
     """What a film did.

@@ -1,15 +1,17 @@
 """The film of cloth in motion on a still or moving avatar: implicit steps, frames at a fixed rate."""
 
 from collections.abc import Callable
+from copy import deepcopy
 from math import ceil, inf
 from time import process_time
 
 import numpy as np
 
-from toile.engine.avatar_motion import AvatarMotion
+from toile.collide.search import AvatarSurface
+from toile.engine.avatar_motion import AvatarMotion, AvatarPath
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
-from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord
+from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord, FilmState
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Float, Int
 
@@ -42,6 +44,7 @@ class Simulation(ClothRun):
         self.plan = plan
         self.on_frame = on_frame
         self.motion = motion
+        self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
         self._h = plan.longest_step
@@ -58,6 +61,8 @@ class Simulation(ClothRun):
         for _ in range(round(seconds / self.plan.frame_seconds)):
             if self.record.cancelled or self._jumps():
                 break
+            if self.motion is not None:
+                self._begin_afresh()
             self._remesh()
             self._advance(self.plan.frame_seconds)
             self._catch_up()
@@ -66,14 +71,43 @@ class Simulation(ClothRun):
                 break
         return self.record
 
+    def state(self) -> FilmState:
+        """Return all that the film needs to go on, after a frame."""
+        stepper = self.stepper
+        return FilmState(
+            cloth=self.cloth,
+            anchors=None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy(),
+            avatar=None if self.surface is None else self.surface.vertices,
+            poses={} if self.path is None else dict(self.path.poses),
+            meshed_at=self._meshed_at, longest_step=self._h, record=deepcopy(self.record),
+        )  # fmt: skip
+
+    def go_on_from(self, state: FilmState) -> None:
+        """Take up a film of the same avatar, plan and motion where another left it."""
+        if self.surface is not None and state.avatar is not None:
+            self.surface.move_to(state.avatar)
+        if self.path is not None:
+            self.path.poses.update(state.poses)
+        self.restart(state.cloth, state.anchors)
+        self._meshed_at, self._h, self.record = state.meshed_at, state.longest_step, deepcopy(state.record)
+
+    def _begin_afresh(self) -> None:
+        """Forget what was carried over from earlier frames, so that a film taken up here runs the same."""
+        stepper = self.stepper
+        anchors = None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy()
+        if self.surface is not None:
+            self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
+        self.restart(self.cloth, anchors)
+
     def _frame_time(self) -> float:
         """Time of the last frame [s]."""
         return (len(self.record.crossings) - 1) * self.plan.frame_seconds
 
     def _jumps(self) -> bool:
         """Whether the avatar jumps until the next frame: no cloth can follow."""
-        if self.motion is None:
+        if self.motion is None or self.path is None or self.surface is None:
             return False
+        self.path.see(self.surface.vertices, self.stepper.x)
         speed, vertex = self.motion.speed(self._frame_time(), self.plan.frame_seconds)
         self._avatar_speed = speed
         if speed > self.plan.speed_max:
@@ -137,7 +171,7 @@ class Simulation(ClothRun):
             StepRequest(
                 h=h, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
                 cg_tolerance=plan.cg_tolerance, motion_max=inf,
-                avatar_target=None if self.motion is None else self.motion.at(until),
+                avatar_target=None if self.path is None else self.path.at(until),
             )
         )  # fmt: skip
         record.newton_iterations += outcome.newton_iterations
@@ -154,18 +188,18 @@ class Simulation(ClothRun):
 
     def _lag(self) -> float:
         """Largest distance of an avatar's vertex from where it shall be at the end of this frame [m]."""
-        if self.motion is None or self.surface is None:
+        if self.path is None or self.surface is None:
             return 0.0
-        target = self.motion.at(self._frame_time() + self.plan.frame_seconds)
+        target = self.path.at(self._frame_time() + self.plan.frame_seconds)
         return float(np.linalg.norm(target - self.surface.vertices, axis=1).max())
 
     def _catch_up(self) -> None:
         """Let cloth give way where it holds the avatar back, without time passing."""
         plan, stepper = self.plan, self.stepper
         lag = self._lag()
-        if lag > ARRIVED and self.motion is not None:
+        if lag > ARRIVED and self.path is not None:
             velocities = stepper.v
-            target = self.motion.at(self._frame_time() + plan.frame_seconds)
+            target = self.path.at(self._frame_time() + plan.frame_seconds)
             for _ in range(CATCHING_UP):
                 stepper.v = np.zeros_like(stepper.x)
                 stepper.step(

@@ -1,0 +1,121 @@
+"""Skins of an avatar that meet, in the armpit, say, are held apart so that cloth fits between them.
+
+Cloth between two skins that touch or overlap has no feasible place. Baraff, Witkin and Kass (2003) stick it
+to both ("flypapering"); here the flesh gives way instead: both skins retreat until a slot is left. Which skin
+meets which is read off segments through every vertex along its normal, by FCL.
+"""
+
+import fcl
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from toile.collide.audit import bvh_model, crossing_faces
+from toile.collide.shrunken import vertex_normals
+from toile.geometry.arrays import Bool, Float, Int
+
+SLOT = 0.010
+"""Room that is left between two skins [m]."""
+DEEPEST = 0.06
+"""Overlap up to which two skins are told apart [m]."""
+NEIGHBOURHOOD = 0.02
+"""Skin this far along the surface is the same skin [m]."""
+FACING = -0.5
+"""Cosine between the normals of two skins that face each other, at most."""
+FAR = 3.0
+"""Length of the segments that count how often a point is inside [m]: longer than any body is thick."""
+WIDTH = 1e-7
+"""Width of the slivers that stand for segments [m]."""
+OUTWARD = 1e-4
+SMOOTHINGS = 6
+
+
+class SkinSlots:
+    """Holds the skins of one avatar apart, in any pose."""
+
+    def __init__(self, vertices: Float, faces: Int) -> None:
+        self.faces = faces
+        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        count = len(vertices)
+        ones = np.ones(len(edges))
+        near = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
+        near = ((near + near.T) > 0).astype(np.float64)
+        self._mean: csr_array = csr_array(near.multiply(1.0 / np.maximum(near.sum(axis=1), 1.0)[:, None]))
+        mean_edge = float(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1).mean())
+        rings = near.copy()
+        for _ in range(int(np.ceil(NEIGHBOURHOOD / mean_edge)) - 1):
+            rings = ((rings @ near + rings) > 0).astype(np.float64)
+        self._rings = csr_array(rings)
+
+    def retreat(self, vertices: Float, near: Bool) -> Float:
+        """How far every vertex has to retreat against its normal [m], shape (v,).
+
+        Parameters
+        ----------
+        vertices
+            The pose [m], shape (v, 3).
+        near
+            Vertices that cloth may come to, shape (v,): others need no slot.
+        """
+        chosen = np.flatnonzero(near)
+        wanted = np.zeros(len(vertices))
+        if not len(chosen):
+            return wanted
+        normals = vertex_normals(vertices, self.faces)
+        body = fcl.CollisionObject(bvh_model(vertices, self.faces), fcl.Transform())
+        corners = vertices[self.faces]
+        face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        face_normals /= np.maximum(np.linalg.norm(face_normals, axis=1), 1e-300)[:, None]
+
+        start, direction = vertices[chosen], normals[chosen]
+        row, face = _hits(body, start - DEEPEST * direction, start + SLOT * direction)
+        facing = np.einsum("ki,ki->k", direction[row], face_normals[face])
+        other = facing < FACING
+        row, face, facing = row[other], face[other], facing[other]
+        other = ~self._same_skin(chosen[row], face)
+        row, face, facing = row[other], face[other], facing[other]
+        height = np.einsum("ki,ki->k", corners[face, 0] - start[row], face_normals[face])
+        gap = height / facing
+        # An opposite skin behind a vertex is the other side of its own limb unless it is inside another one.
+        behind = np.unique(row[gap < 0.0])
+        inside = np.zeros(len(chosen), bool)
+        if len(behind):
+            outside = start[behind] + OUTWARD * direction[behind]
+            inside[behind] = _winding(body, face_normals, outside, direction[behind]) > 0
+        met = (gap >= 0.0) | inside[row]
+        np.maximum.at(wanted, chosen[row[met]], 0.5 * (SLOT - gap[met]))
+        for _ in range(SMOOTHINGS):
+            wanted = np.maximum(wanted, self._mean @ wanted)
+        return wanted
+
+    def held_apart(self, vertices: Float, near: Bool) -> Float:
+        """Return the pose with its skins apart [m], shape (v, 3)."""
+        return np.asarray(
+            vertices - self.retreat(vertices, near)[:, None] * vertex_normals(vertices, self.faces)
+        )
+
+    def _same_skin(self, vertex: Int, face: Int) -> Bool:
+        """Whether faces, shape (k,), lie in the neighbourhood of vertices, shape (k,)."""
+        same = np.zeros(len(vertex), bool)
+        for corner in range(3):
+            same |= np.asarray(self._rings[vertex, self.faces[face, corner]]).ravel() > 0.0
+        return same
+
+
+def _hits(body: fcl.CollisionObject, start: Float, end: Float) -> tuple[Int, Int]:
+    """Segments, shape (n, 3) each, that hit faces of a body: row and face of every hit."""
+    along = end - start
+    # Any direction across will do.
+    across = np.cross(along, np.eye(3)[np.abs(along).argmin(axis=1)])
+    across *= WIDTH / np.linalg.norm(across, axis=1)[:, None]
+    points = np.ascontiguousarray(np.stack([start, end, end + across], axis=1).reshape(-1, 3))
+    slivers = np.arange(len(points), dtype=np.int32).reshape(-1, 3)
+    model = fcl.CollisionObject(bvh_model(points, slivers), fcl.Transform())
+    pairs = crossing_faces(model, body)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _winding(body: fcl.CollisionObject, face_normals: Float, points: Float, direction: Float) -> Int:
+    """How often the body surrounds points, shape (n, 3): skins left less skins entered on the way out."""
+    row, face = _hits(body, points, points + FAR * direction)
+    leaves = np.sign(np.einsum("ki,ki->k", direction[row], face_normals[face]))
+    return np.asarray(np.rint(np.bincount(row, weights=leaves, minlength=len(points))), np.int32)
