@@ -10,6 +10,7 @@ import trimesh
 
 from toile.dress.avatar_repair import repaired_surface
 from toile.dress.avatar_units import METRES_PER_UNIT, recognise_frame
+from toile.engine.avatar_motion import AvatarMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -35,6 +36,8 @@ class Avatar:
         Axis of the source file that points up.
     notes
         What was recognised and repaired, one sentence each.
+    motion
+        How it moves from there, or None.
     """
 
     name: str
@@ -43,6 +46,7 @@ class Avatar:
     metres_per_unit: float = 1.0
     up_axis: Literal["y", "z"] = "y"
     notes: tuple[str, ...] = ()
+    motion: AvatarMotion | None = None
 
     def to_source(self, positions: npt.ArrayLike) -> Float:
         """Positions in the source file's own units and axes, from positions [m], Y up, shape (n, 3)."""
@@ -72,27 +76,35 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
     """
     path = Path(path)
     extension = path.suffix.lower()
-    if units is not None and units not in METRES_PER_UNIT:
-        raise InputError(f"{path.name}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}")
-    if up is not None and up not in ("y", "z"):
-        raise InputError(f'{path.name}: unknown up axis {up!r}; give "y" or "z"')
+    checked_frame_words(path.name, units, up)
     if extension not in FORMATS:
         raise InputError(
             f"{path}: unknown avatar format {extension or '(no extension)'!r}; "
             f"export the body as one of {', '.join(FORMATS)}"
         )
-    if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path")
-    if not path.stat().st_size:
-        raise InputError(f"{path}: the file is empty; export the body again")
+    vertices, faces = read_triangles(path)
+    is_gltf = extension in (".glb", ".gltf")
+    return avatar_of(path.name, path.stem, vertices, faces, units=units, up=up, is_gltf=is_gltf)
 
-    vertices, faces = _read_triangles(path)
-    frame = recognise_frame(path.name, vertices, units=units, up=up, is_gltf=extension in (".glb", ".gltf"))
+
+def checked_frame_words(file: str, units: str | None, up: str | None) -> None:
+    """Raise InputError if a unit or an up axis is none that is known."""
+    if units is not None and units not in METRES_PER_UNIT:
+        raise InputError(f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}")
+    if up is not None and up not in ("y", "z"):
+        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"')
+
+
+def avatar_of(
+    file: str, name: str, vertices: Float, faces: Int, *, units: str | None, up: str | None, is_gltf: bool
+) -> Avatar:
+    """Make an avatar of a file's vertices, in file units, and faces: recognise its frame and repair it."""
+    frame = recognise_frame(file, vertices, units=units, up=up, is_gltf=is_gltf)
     if frame.up_axis == "z":
         vertices = vertices[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
-    vertices, faces, repairs = repaired_surface(path.name, vertices * frame.metres_per_unit, faces)
+    vertices, faces, repairs = repaired_surface(file, vertices * frame.metres_per_unit, faces)
     return Avatar(
-        name=path.stem,
+        name=name,
         vertices=vertices,
         faces=faces,
         metres_per_unit=frame.metres_per_unit,
@@ -101,8 +113,12 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
     )
 
 
-def _read_triangles(path: Path) -> tuple[Float, Int]:
+def read_triangles(path: Path) -> tuple[Float, Int]:
     """Vertices (v, 3) in file units and faces (f, 3) of everything in the file; unused vertices dropped."""
+    if not path.is_file():
+        raise InputError(f"{path}: avatar file not found; check the path")
+    if not path.stat().st_size:
+        raise InputError(f"{path}: the file is empty; export the body again")
     # skip_materials: textures are of no use here, and a missing one must not stop a drape.
     options: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() == ".obj" else {}
     try:

@@ -114,8 +114,13 @@ def _add_dress(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     dress.add_argument("scene", nargs="?", type=Path, metavar="SCENE.toml", help="scene file")
     dress.add_argument(
-        "--avatar", type=Path, metavar="BODY", help="OBJ, PLY, STL or GLB body (default: built-in mannequin)"
+        "--avatar",
+        type=Path,
+        metavar="BODY",
+        help="OBJ, PLY, STL or GLB body, or one that moves: an .npz or a folder of a mesh per frame "
+        "(default: built-in mannequin)",
     )
+    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a BODY that moves")
     dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
     dress.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
     dress.add_argument(
@@ -136,7 +141,10 @@ def _add_dress(commands: "argparse._SubParsersAction[_Parser]") -> None:
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    dress.add_argument("-o", "--output", type=Path, required=True, metavar="OUTDIR", help="output folder")
+    dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")
+    dress.add_argument(
+        "--resume", type=Path, metavar="OUTDIR", help="go on with the interrupted run in this folder"
+    )
     dress.epilog = "A scene file does what these options do and more; its keys: toile dress --scene-keys"
     dress.add_argument("--scene-keys", action=_PrintSceneKeys, help="list the keys of a scene file and exit")
     dress.set_defaults(run=_run_dress)
@@ -158,11 +166,15 @@ class _PrintSceneKeys(argparse.Action):
 
 def _run_dress(options: argparse.Namespace) -> int:
     """Dress and return the exit code."""
-    from toile.dress.dress import dress
+    from toile.dress.dress import dress, resume
     from toile.dress.interrupt import CancelOnInterrupt
     from toile.dress.progress import ProgressPrinter
 
-    scene = _scene_of(options)
+    if (options.output is None) == (options.resume is None):
+        raise InputError("give an output folder with -o OUTDIR, or --resume OUTDIR to go on with a run")
+    folder = options.output or options.resume
+    scene = None if options.resume else _scene_of(options)
+    say = None if options.quiet else _say
     printer = ProgressPrinter(sys.stderr, quiet=options.quiet)
     with CancelOnInterrupt() as interrupt:
 
@@ -171,7 +183,7 @@ def _run_dress(options: argparse.Namespace) -> int:
             return not interrupt.requested
 
         try:
-            result = dress(scene, options.output, on_frame, None if options.quiet else _say)
+            result = resume(folder, on_frame, say) if scene is None else dress(scene, folder, on_frame, say)
         finally:
             printer.close()
     report = result.report
@@ -179,12 +191,11 @@ def _run_dress(options: argparse.Namespace) -> int:
         failure = report["failure"] or {"message": "no reason given", "where": ""}
         where = f" ({failure['where']})" if failure["where"] else ""
         print(
-            f"toile: the simulation failed: {failure['message']}{where}; "
-            f"what was computed is in {options.output}",
+            f"toile: the simulation failed: {failure['message']}{where}; what was computed is in {folder}",
             file=sys.stderr,
         )
     elif not options.quiet:
-        print(_summary(report, options.output))
+        print(_summary(report, folder))
     return EXIT_CODES[result.status]
 
 
@@ -205,10 +216,10 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "threads")
         if (value := getattr(options, name)) is not None
     }
-    if options.avatar is None and (options.units or options.up):
-        raise InputError("--units and --up describe the file of --avatar, which is missing")
+    if options.avatar is None and (options.units or options.up or options.fps):
+        raise InputError("--units, --up and --fps describe the file of --avatar, which is missing")
     if options.avatar is not None:
-        given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up)
+        given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up, fps=options.fps)
     garments = tuple(Garment(source) for source in options.garment)
     if options.scene is None:
         if not garments:

@@ -213,12 +213,12 @@ def _outcome(
         stage_seconds=run.clock.seconds,
     )
     return DrapeOutcome(
-        status=status, failure=failure, figures=figures, garments=_split(cloth, len(garments)), notes=notes,
-        gave_up=record.gave_up,
+        status=status, failure=failure, figures=figures, garments=taken_apart(cloth, len(garments)),
+        cloth=cloth, step=run.plan.step, notes=notes, gave_up=record.gave_up,
     )  # fmt: skip
 
 
-def _split(cloth: Cloth, count: int) -> list[DrapedGarment]:
+def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
     """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
     draped = []
     for index in range(count):

@@ -1,10 +1,15 @@
 """What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from toile.geometry.arrays import Float, Int
 from toile.remesh.sizing import SizingOptions
+
+if TYPE_CHECKING:
+    # They import kernels, which are loaded when they are needed.
+    from toile.engine.cloth import Cloth
+    from toile.engine.step_request import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
 
@@ -161,12 +166,15 @@ class DrapedGarment:
 class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
-    `gave_up`: its seams jammed, and on another mesh they may not.
+    `gave_up`: its seams jammed, and on another mesh they may not. `cloth` and `step` are what a film goes on
+    with.
     """
 
     status: Status
     failure: Failure | None
     figures: DrapeFigures
     garments: list[DrapedGarment]
+    cloth: "Cloth"
+    step: "StepOptions"
     notes: tuple[str, ...] = ()
     gave_up: bool = False

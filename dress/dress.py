@@ -5,9 +5,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from toile.dress.animated_avatar import is_animated, load_animated_avatar
 from toile.dress.avatar import Avatar, load_avatar
+from toile.dress.checkpoint import Checkpoint, Hung
 from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
 from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
 from toile.dress.garment_mesh import GarmentMesh
@@ -21,7 +23,7 @@ from toile.dress.kernels import (
 )
 from toile.dress.progress import Progress, ProgressState, TimeLeft
 from toile.dress.quality import quality_preset
-from toile.dress.report import drape_report
+from toile.dress.report import drape_report, with_animation
 from toile.dress.result import DressedGarment, Result, file_stem, save_report, save_shapes
 from toile.dress.scene import AvatarFile, MannequinSize, Scene
 from toile.dress.suggestion import unknown_name
@@ -30,7 +32,12 @@ from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
 
+if TYPE_CHECKING:
+    from toile.engine.film_plan import FilmState
+
 Say = Callable[[str], None]
+FOLLOWS = ("converged", "frame_limit")
+"""States of a drape after which garments follow an avatar that moves."""
 SEWING_COARSENESS = 1.5, 1.0
 """Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
 
@@ -64,8 +71,72 @@ def dress(
     InputError
         If the scene is at fault: which file, field or faces, and what to do.
     """
-    wall, cpu = time.perf_counter(), time.process_time()
     folder = None if output is None else writable_folder(output)
+    checkpoint = None if folder is None else Checkpoint(folder)
+    if checkpoint is not None:
+        checkpoint.begin(scene)
+    hung, compile_seconds = _hang(scene, folder, progress, say)
+    return _finished(scene, hung, folder, checkpoint, progress, compile_seconds, None)
+
+
+def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
+    """Go on with a run that was interrupted, from its last frame: the result is what it had been.
+
+    Parameters and result are those of `dress`. Raises InputError if the folder holds no interrupted run.
+    """
+    folder = Path(output)
+    checkpoint = Checkpoint(folder)
+    scene, hung, state = checkpoint.load()
+    if hung is None:
+        if say is not None:
+            say("the garments did not hang yet: starting over")
+        return dress(scene, folder, progress, say)
+    compile_seconds = _load_kernels(scene, True, say)
+    if say is not None:
+        say(f"going on after frame {0 if state is None else len(state.record.crossings) - 1}")
+    return _finished(scene, hung, folder, checkpoint, progress, compile_seconds, state)
+
+
+def _finished(
+    scene: Scene, hung: Hung, folder: Path | None, checkpoint: Checkpoint | None, progress: Progress | None,
+    compile_seconds: float, state: "FilmState | None",
+) -> Result:  # fmt: skip
+    """Let hung garments follow their avatar, if it moves; write what is left to write."""
+    status, report, avatar, garments = hung.drape.status, hung.report, hung.avatar, hung.garments
+    if avatar.motion is not None and status in FOLLOWS:
+        from toile.dress.follow import follow
+
+        wall, cpu = time.perf_counter(), time.process_time()
+        if checkpoint is not None and state is None:
+            checkpoint.hung(hung)
+        quality = quality_preset(scene.quality)
+        followed = follow(
+            avatar, hung.drape, garments, _sizing(scene), folder,
+            _frame_callback(progress, quality.tolerance),
+            (lambda _: None) if checkpoint is None else checkpoint.frame, state,
+        )  # fmt: skip
+        garments, avatar = followed.garments, followed.avatar
+        if followed.failure is not None:
+            status = "failed"
+        elif followed.cancelled:
+            status = "cancelled"
+        report = with_animation(
+            report, status, followed.failure, followed.figures, followed.stage_seconds,
+            time.perf_counter() - wall, time.process_time() - cpu,
+        )  # fmt: skip
+    if folder is not None:
+        save_shapes(folder, avatar, garments)
+        save_report(folder, report)
+    if checkpoint is not None and status != "cancelled":
+        checkpoint.end()
+    return Result(status=status, report=report, avatar=avatar, garments=garments)
+
+
+def _hang(
+    scene: Scene, folder: Path | None, progress: Progress | None, say: Say | None
+) -> tuple[Hung, float]:
+    """Put the garments on the avatar as it is at the start; also the seconds that loading kernels took."""
+    wall, cpu = time.perf_counter(), time.process_time()
     cloth_fabrics = [_fabric_of(scene, garment.fabric) for garment in scene.garments]
     for garment in scene.garments:
         check_source(garment)
@@ -121,10 +192,6 @@ def dress(
         _dressed(mesh, fabric, draped) for (mesh, fabric), draped in zip(cloth, outcome.garments, strict=True)
     )
 
-    writing = time.perf_counter()
-    if folder is not None:
-        save_shapes(folder, avatar, garments)
-    io_seconds += time.perf_counter() - writing
     report = drape_report(
         status=outcome.status,
         failure=outcome.failure,
@@ -138,9 +205,7 @@ def dress(
         io_seconds=io_seconds,
         compile_seconds=compile_seconds,
     )
-    if folder is not None:
-        save_report(folder, report)
-    return Result(status=outcome.status, report=report, avatar=avatar, garments=garments)
+    return Hung(avatar=avatar, drape=outcome, garments=garments, report=report), compile_seconds
 
 
 def _sizing(scene: Scene) -> SizingOptions | None:
@@ -187,10 +252,15 @@ def load_scene_avatar(scene: Scene) -> Avatar:
     """Return the scene's avatar, read or built."""
     if isinstance(scene.avatar, Avatar):
         return scene.avatar
-    if isinstance(scene.avatar, str | Path):
-        return load_avatar(scene.avatar)
     if isinstance(scene.avatar, AvatarFile):
-        return load_avatar(scene.avatar.path, units=scene.avatar.units, up=scene.avatar.up)
+        file = scene.avatar
+        if is_animated(file.path):
+            return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps)
+        if file.fps is not None:
+            raise InputError(
+                f"{file.path}: fps is for an avatar that moves; give an .npz or a folder of meshes"
+            )
+        return load_avatar(file.path, units=file.units, up=file.up)
     if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):
         raise InputError(f"avatar must be an Avatar, a file or a mannequin size, got {scene.avatar!r}")
     from toile.dress.mannequin import mannequin

@@ -36,9 +36,7 @@ def drape_report(
     stages["compile"] += compile_seconds
     report = {
         "status": status,
-        "failure": None
-        if failure is None
-        else {"class": failure.kind, "message": failure.message, "where": failure.where},
+        "failure": None if failure is None else _failure_facts(failure),
         "quality": quality,
         "edge_length": options.edge_length if options.sizing is None else options.sizing.size_min,
         "tolerance": options.tolerance,
@@ -79,6 +77,33 @@ def drape_report(
     }
     plain: dict[str, Any] = _plain(report)
     return plain
+
+
+def with_animation(
+    report: dict[str, Any], status: Status, failure: Failure | None, figures: dict[str, Any],
+    stage_seconds: dict[str, float], wall_seconds: float, cpu_seconds: float,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the report of a drape whose garments then followed their avatar, with the figures of that."""
+    stages = dict(report["stage_seconds"])
+    for stage, seconds in stage_seconds.items():
+        stages[stage] = stages.get(stage, 0.0) + seconds
+    plain: dict[str, Any] = _plain(
+        report
+        | {
+            "status": status,
+            "failure": _failure_facts(failure) if failure is not None else report["failure"],
+            "animation": figures,
+            "wall_seconds": report["wall_seconds"] + wall_seconds,
+            "cpu_seconds": report["cpu_seconds"] + cpu_seconds,
+            "stage_seconds": stages,
+        }
+    )
+    return plain
+
+
+def _failure_facts(failure: Failure) -> dict[str, str]:
+    """Return what the report says about a failure."""
+    return {"class": failure.kind, "message": failure.message, "where": failure.where}
 
 
 def report_bytes(report: dict[str, Any]) -> bytes:

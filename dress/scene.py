@@ -15,11 +15,16 @@ from toile.remesh.sizing import SizingOptions
 
 @dataclass(frozen=True, kw_only=True)
 class AvatarFile:
-    """A body still on disk; units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None."""
+    """A body still on disk, or one that moves: an .npz or a folder of meshes.
+
+    Units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None; frames per second are the file's
+    own or 24.
+    """
 
     path: Path
     units: str | None = None
     up: str | None = None
+    fps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

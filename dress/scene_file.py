@@ -65,7 +65,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
     },
     "avatar": {
-        "file": (str, "OBJ, PLY, STL or GLB file"),
+        "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz file or folder of meshes"),
+        "fps": (NUMBER, "frames per second of a body that moves; the file's own or 24 if missing"),
         "units": (str, "m, cm or mm; recognised from the size if missing"),
         "up": (str, "y or z; recognised if missing"),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
@@ -202,14 +203,17 @@ class _SceneReader:
         self._check_keys(values, "avatar", ("avatar",))
         sizes = {key: values[key] for key in ("height", "chest", "waist", "hip") if key in values}
         if "file" not in values:
-            stray = next((key for key in ("units", "up") if key in values), None)
+            stray = next((key for key in ("units", "up", "fps") if key in values), None)
             if stray:
                 raise self._error(("avatar", stray), f"{stray} needs a file in [avatar]")
             return MannequinSize(**sizes) if sizes else None
         if sizes:
             key = next(iter(sizes))
             raise self._error(("avatar", key), f"{key} sizes the built-in mannequin; remove it or file")
-        return AvatarFile(path=self._resolve(values["file"]), units=values.get("units"), up=values.get("up"))
+        return AvatarFile(
+            path=self._resolve(values["file"]), units=values.get("units"), up=values.get("up"),
+            fps=values.get("fps"),
+        )  # fmt: skip
 
     def _garment(self, values: Any, place: tuple[str | int, ...], own: Mapping[str, Fabric]) -> Garment:
         """Return the garment of one [[garment]] table."""

@@ -8,7 +8,8 @@ from time import process_time
 import numpy as np
 
 from toile.collide.search import AvatarSurface
-from toile.engine.avatar_motion import AvatarMotion, AvatarPath
+from toile.engine.avatar_motion import AvatarMotion
+from toile.engine.avatar_path import AvatarPath
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord, FilmState

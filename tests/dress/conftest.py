@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from types import ModuleType
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pytest
@@ -19,6 +20,10 @@ from toile.dress.drape_types import (
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.engine.fabric import Fabric
+
+if TYPE_CHECKING:
+    from toile.engine.cloth import Cloth
+    from toile.engine.step_request import StepOptions
 
 
 class FakeDrape:
@@ -98,6 +103,8 @@ class FakeDrape:
                 )
                 for mesh, _ in garments
             ],
+            cloth=cast("Cloth", None),
+            step=cast("StepOptions", None),
             gave_up=len(self.calls) <= self.jams,
         )
 

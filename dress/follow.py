@@ -1,0 +1,132 @@
+"""The garments follow a moving avatar: one frame after the other, written as it is computed."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from toile.dress.avatar import Avatar
+from toile.dress.drape import taken_apart
+from toile.dress.drape_types import DrapeOutcome, Failure, FrameState
+from toile.dress.result import DressedGarment, file_stem
+from toile.dress.writers.atomic import writable_folder, write_atomic
+from toile.dress.writers.ply import ply_bytes
+from toile.engine.film_plan import FilmFrame, FilmPlan, FilmState
+from toile.engine.simulate import Simulation
+from toile.engine.step_request import StageClock
+from toile.remesh.sizing import SizingOptions
+
+FRAMES = "frames"
+"""Name of the folder of frames in the output folder."""
+NEWTON, NEWTON_TOLERANCE = 4, 2e-3
+"""Iterations of a step at most, and the motion [m] that ends them: cloth that is pushed wants some."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Followed:
+    """How garments followed a motion: they and the avatar at its end, why it ended early, figures."""
+
+    garments: tuple[DressedGarment, ...]
+    avatar: Avatar
+    failure: Failure | None
+    cancelled: bool
+    figures: dict[str, Any]
+    stage_seconds: dict[str, float]
+
+
+def follow(
+    avatar: Avatar, drape: DrapeOutcome, garments: tuple[DressedGarment, ...], sizing: SizingOptions | None,
+    folder: Path | None, on_frame: Callable[[FrameState], bool], keep: Callable[[FilmState], None],
+    state: FilmState | None = None,
+) -> Followed:  # fmt: skip
+    """Let draped garments follow their avatar's motion.
+
+    Parameters
+    ----------
+    avatar
+        The avatar as it was dressed, with its motion.
+    drape, garments
+        How the garments hang at its first frame.
+    sizing
+        How the mesh adapts, or None.
+    folder
+        Where a PLY per garment and frame goes, or None.
+    on_frame
+        Called after every frame; returning False ends the film.
+    keep
+        Called after every frame with all that the film needs to go on from there.
+    state
+        Where to go on instead of at the beginning.
+    """
+    motion = avatar.motion
+    assert motion is not None
+    started = time.perf_counter()
+    frames = None if folder is None else writable_folder(folder / FRAMES)
+    latest = garments
+    last = len(motion.frames) - 1
+    plan = FilmPlan(
+        step=drape.step, frame_seconds=1.0 / motion.fps, newton=NEWTON, newton_tolerance=NEWTON_TOLERANCE,
+        sizing=sizing,
+    )  # fmt: skip
+
+    def write(frame: FilmFrame) -> bool:
+        nonlocal latest
+        latest = tuple(
+            replace(
+                garment, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
+                panel=part.panel,
+            )
+            for garment, part in zip(garments, taken_apart(frame.cloth, len(garments)), strict=True)
+        )  # fmt: skip
+        if frames is not None:
+            for garment in latest:
+                path = frames / f"{file_stem(garment.name)}.{frame.index:04d}.ply"
+                write_atomic(path, ply_bytes(avatar.to_source(garment.positions), garment.faces))
+        return on_frame(
+            FrameState(
+                frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
+                seconds=time.perf_counter() - started, max_frames=last,
+            )
+        )  # fmt: skip
+
+    def on_film_frame(frame: FilmFrame) -> bool:
+        go_on = write(frame)
+        if frame.index:
+            keep(film.state())
+        return go_on
+
+    film = Simulation(drape.cloth, (avatar.vertices, avatar.faces), plan, on_film_frame, motion)
+    film.clock = film.stepper.clock = StageClock()
+    if state is not None:
+        film.go_on_from(state)
+    done = 0 if state is None else len(state.record.crossings) - 1
+    record = film.run((last - done) / motion.fps)
+    failure = None
+    if record.failure:
+        frame = len(record.crossings) - 1
+        failure = Failure(kind="motion", message=record.failure, where=f"frame {frame}")
+    elif any(map(sum, record.crossings)):
+        frame = next(index for index, found in enumerate(record.crossings) if sum(found))
+        failure = Failure(kind="crossing", message="triangles cross", where=f"frame {frame}")
+    gaps = [gap for gap in record.min_gap if math.isfinite(gap)]
+    figures = {
+        "fps": motion.fps,
+        "frames": len(record.crossings) - 1,
+        "seconds": record.simulated_seconds,
+        "steps": record.steps,
+        "retries": record.retries,
+        "newton_iterations": record.newton_iterations,
+        "faces_max": max(record.faces),
+        "intersections_max": max(map(sum, record.crossings)),
+        "min_gap_mm": 1e3 * min(gaps) if gaps else None,
+        "strain_percent_max": 100.0 * max(record.stretch_max),
+        "skin_held_back_mm_max": 1e3 * max(record.lag),
+        "remeshings": len(record.remeshings),
+    }
+    pose = motion.pose(len(record.crossings) - 1)
+    return Followed(
+        garments=latest, avatar=replace(avatar, vertices=pose), failure=failure, cancelled=record.cancelled,
+        figures=figures, stage_seconds=film.clock.seconds,
+    )  # fmt: skip
