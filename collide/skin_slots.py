@@ -13,7 +13,7 @@ from toile.collide.audit import bvh_model, crossing_faces
 from toile.collide.shrunken import vertex_normals
 from toile.geometry.arrays import Bool, Float, Int
 
-SLOT = 0.010
+SLOT = 0.020
 """Room that is left between two skins [m]."""
 DEEPEST = 0.06
 """Overlap up to which two skins are told apart [m]."""
@@ -34,8 +34,9 @@ class SkinSlots:
 
     def __init__(self, vertices: Float, faces: Int) -> None:
         self.faces = faces
+        self._count = len(vertices)
         edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        count = len(vertices)
+        count = self._count
         ones = np.ones(len(edges))
         near = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
         near = ((near + near.T) > 0).astype(np.float64)
@@ -44,7 +45,9 @@ class SkinSlots:
         rings = near.copy()
         for _ in range(int(np.ceil(NEIGHBOURHOOD / mean_edge)) - 1):
             rings = ((rings @ near + rings) > 0).astype(np.float64)
-        self._rings = csr_array(rings)
+        row, column = rings.nonzero()
+        # Pairs of vertices of the same skin, as one sorted number each.
+        self._same = np.sort(row.astype(np.int64) * count + column)
 
     def retreat(self, vertices: Float, near: Bool) -> Float:
         """How far every vertex has to retreat against its normal [m], shape (v,).
@@ -97,7 +100,9 @@ class SkinSlots:
         """Whether faces, shape (k,), lie in the neighbourhood of vertices, shape (k,)."""
         same = np.zeros(len(vertex), bool)
         for corner in range(3):
-            same |= np.asarray(self._rings[vertex, self.faces[face, corner]]).ravel() > 0.0
+            pair = vertex.astype(np.int64) * self._count + self.faces[face, corner]
+            place = np.minimum(np.searchsorted(self._same, pair), len(self._same) - 1)
+            same |= self._same[place] == pair
         return same
 
 

@@ -101,6 +101,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
     bench.set_defaults(run=_run_bench)
+
+    stress = commands.add_parser("stress", help="run the hard cases and check every frame")
+    stress.add_argument("case", nargs="*", metavar="NAME", help="only these cases (default: all)")
+    stress.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
+    stress.add_argument("--pictures", type=Path, metavar="DIR", help="draw the end of every case")
+    stress.set_defaults(run=_run_stress)
     return parser
 
 
@@ -324,6 +330,31 @@ def _run_bench(options: argparse.Namespace) -> int:
             options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
     print(table(rows))
     return MISSED if any(row.missed() for row in rows) else DONE
+
+
+def _run_stress(options: argparse.Namespace) -> int:
+    """Run hard cases; the exit code tells whether all ended as expected."""
+    import json
+    from dataclasses import asdict
+
+    from toile.dress.benchmarks.stress import run_stress, stress_table
+    from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
+    from toile.dress.suggestion import unknown_name
+    from toile.dress.writers.atomic import writable_folder
+
+    for name in options.case:
+        if name not in STRESS_SCENES:
+            raise InputError(unknown_name("case", name, STRESS_SCENES))
+    pictures = None if options.pictures is None else writable_folder(options.pictures)
+    rows = run_stress(
+        options.case or list(STRESS_SCENES),
+        lambda row: _say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s"),
+        pictures,
+    )
+    if options.json is not None:
+        options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+    print(stress_table(rows))
+    return MISSED if any(row.fell_short for row in rows) else DONE
 
 
 def _say_progress(line: str) -> None:

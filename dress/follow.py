@@ -13,15 +13,13 @@ from toile.dress.drape_types import DrapeOutcome, Failure, FrameState
 from toile.dress.result import DressedGarment, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import ply_bytes
-from toile.engine.film_plan import FilmFrame, FilmPlan, FilmState
+from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
 from toile.engine.simulate import Simulation
 from toile.engine.step_request import StageClock
 from toile.remesh.sizing import SizingOptions
 
 FRAMES = "frames"
 """Name of the folder of frames in the output folder."""
-NEWTON, NEWTON_TOLERANCE = 4, 2e-3
-"""Iterations of a step at most, and the motion [m] that ends them: cloth that is pushed wants some."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,8 +65,8 @@ def follow(
     latest = garments
     last = len(motion.frames) - 1
     plan = FilmPlan(
-        step=drape.step, frame_seconds=1.0 / motion.fps, newton=NEWTON, newton_tolerance=NEWTON_TOLERANCE,
-        sizing=sizing,
+        step=drape.step, frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
+        newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
     )  # fmt: skip
 
     def write(frame: FilmFrame) -> bool:

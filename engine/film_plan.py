@@ -9,6 +9,13 @@ from toile.engine.step_request import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing import SizingOptions
 
+PUSHED_NEWTON, PUSHED_TOLERANCE = 4, 2e-3
+"""Newton iterations of a step, and the motion [m] that ends them, for cloth that a moving body pushes.
+
+One iteration, in which contacts keep their first direction, leaves fast cloth to the guard: a ball of 10 m/s
+then stretches cotton to three times its length (6 % with these).
+"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FilmPlan:

@@ -55,7 +55,7 @@ def expect_avatar(
 
 def safe_in_motion(
     search: ContactSearch, x: Float, wanted: Float, allowed: Float, avatar: AvatarSurface | None,
-    avatar_wanted: Float | None,
+    avatar_wanted: Float | None, common: Float | None,
 ) -> SafeMove:  # fmt: skip
     """Shorten displacements to what is safe.
 
@@ -72,6 +72,9 @@ def safe_in_motion(
         Room that a new search gives nodes beside their drift [m], shape (n,).
     avatar, avatar_wanted
         The avatar, and how far its vertices shall move [m], shape (v, 3), where it does.
+    common
+        Motion of the whole scene [m], shape (3,), or None: displacements are shortened to it, not to nothing,
+        so that what is jammed travels along.
     """
     count = len(x)
     start = None if avatar is None or avatar_wanted is None else avatar.vertices
@@ -86,11 +89,16 @@ def safe_in_motion(
     if not (covered(np.zeros_like(move)) and covered(move)):
         search.search(x, allowed, drift=wanted)
     room = allowed
-    length = np.linalg.norm(move, axis=1)
+    length = np.linalg.norm(move if common is None else move - common, axis=1)
     for attempt in range(ATTEMPTS):
         search.place(x)
-        factor = safe_factors(search.positions, move, *search.pairs)
-        done = move * factor[:, None]
+        if common is None:
+            factor = safe_factors(search.positions, move, *search.pairs)
+            done = move * factor[:, None]
+        else:
+            own = move - common
+            factor = safe_factors(search.positions, own, *search.pairs)
+            done = np.where(factor[:, None] < 1.0, common + own * factor[:, None], move)
         if covered(done):
             return SafeMove(done[:count], done[count:], int(np.count_nonzero(factor[:count] < 1.0)))
         lost = MOTION_AHEAD * (length if attempt == ATTEMPTS - 2 else (1.0 - factor) * length)

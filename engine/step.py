@@ -297,7 +297,9 @@ class ClothStepper:
         """Shorten displacements to what is safe and move the avatar; also count the nodes held back."""
         if self.search is None:
             return wanted, 0
-        done = safe_in_motion(self.search, self.x, wanted, self._allowed, self.avatar, avatar_wanted)
+        # Pinned cloth goes nowhere.
+        common = None if avatar_wanted is None or self.pinned is not None else wanted.mean(axis=0)
+        done = safe_in_motion(self.search, self.x, wanted, self._allowed, self.avatar, avatar_wanted, common)
         if avatar_wanted is not None and self.avatar is not None:
             self.avatar.move_to(self.avatar.vertices + done.avatar)
         return done.cloth, done.limited

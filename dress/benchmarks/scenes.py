@@ -49,10 +49,10 @@ def sphere(edge: float) -> BenchmarkScene:
         np.ascontiguousarray(ball.vertices, np.float64),
         np.ascontiguousarray(ball.faces, np.int32),
     )
-    flat, faces = _rectangle(1.0, 1.0, edge)
+    flat, faces = rectangle(1.0, 1.0, edge)
     height = SPHERE_RADIUS + DROP
     positions = np.column_stack((flat[:, 0] - 0.5, np.full(len(flat), height), 0.5 - flat[:, 1]))
-    cloth = _cloth(flat, faces, positions, np.zeros(len(flat), bool))
+    cloth = sheet(flat, faces, positions, np.zeros(len(flat), bool))
     return BenchmarkScene(cloth, avatar, film_plan(cloth.fabrics[0]), 2.0)
 
 
@@ -64,9 +64,9 @@ def flag(edge: float) -> BenchmarkScene:
     relative speed and gives the same there with k_w = rho c u/2 = 6 N s/m^3. Adaptive meshes follow every
     eighth frame: it never rests, and more often is no nearer to the reference.
     """
-    flat, faces = _rectangle(1.5, 1.0, edge)
+    flat, faces = rectangle(1.5, 1.0, edge)
     positions = np.column_stack((flat, np.zeros(len(flat))))
-    cloth = _cloth(flat, faces, positions, flat[:, 0] < 1e-9)
+    cloth = sheet(flat, faces, positions, flat[:, 0] < 1e-9)
     angle = np.radians(5.0)
     wind = (FLAG_WIND * float(np.cos(angle)), 0.0, FLAG_WIND * float(np.sin(angle)))
     air = AirFlow(velocity=wind, resistance=_resistance(FLAG_WIND))
@@ -79,10 +79,10 @@ def hang(edge: float) -> BenchmarkScene:
 
     Two seconds of film in still air (of the resistance at 1 m/s).
     """
-    flat, faces = _rectangle(1.0, 1.0, edge)
+    flat, faces = rectangle(1.0, 1.0, edge)
     positions = np.column_stack((flat[:, 0], np.zeros(len(flat)), 1.0 - flat[:, 1]))
     corner = (flat[:, 1] > 1.0 - 1e-9) & ((flat[:, 0] < 1e-9) | (flat[:, 0] > 1.0 - 1e-9))
-    cloth = _cloth(flat, faces, positions, corner)
+    cloth = sheet(flat, faces, positions, corner)
     air = AirFlow(velocity=(0.0, 0.0, 0.0), resistance=_resistance(1.0))
     return BenchmarkScene(cloth, None, film_plan(cloth.fabrics[0], air), 2.0)
 
@@ -108,7 +108,7 @@ def _resistance(speed: float) -> float:
     return 0.5 * AIR_DENSITY * DRAG_COEFFICIENT * speed
 
 
-def _rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:
+def rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:
     """Mesh a rectangle: points [m], shape (n, 2), and faces, shape (t, 3)."""
     across, up = round(width / edge), round(height / edge)
     x, y = np.linspace(0.0, width, across + 1), np.linspace(0.0, height, up + 1)
@@ -124,11 +124,13 @@ def _rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:
     return mesh.vertices, mesh.faces
 
 
-def _cloth(flat: Float, faces: Int, positions: Float, pinned: Bool) -> Cloth:
-    """Make a flat sheet of cotton poplin, warp along the first coordinate of `flat` [m], shape (n, 2)."""
-    sheet = GarmentMesh(
+def sheet(flat: Float, faces: Int, positions: Float, pinned: Bool, material: Fabric | None = None) -> Cloth:
+    """Make a sheet, of cotton poplin unless told, warp along the first coordinate of `flat` [m], (n, 2)."""
+    mesh = GarmentMesh(
         name="sheet", positions=positions, uv=flat, faces=faces, panel=np.zeros(len(faces), np.int32),
         panel_names=("sheet",), rest_corners=np.ascontiguousarray(flat[faces]),
         stitches=np.empty((0, 2), np.int32), seam=np.empty(0, np.int32), seam_names=(), minimum_angle=0.0,
     )  # fmt: skip
-    return assemble_cloth([(sheet, fabric("cotton-poplin"))], [np.flatnonzero(pinned).astype(np.int32)])
+    return assemble_cloth(
+        [(mesh, material or fabric("cotton-poplin"))], [np.flatnonzero(pinned).astype(np.int32)]
+    )

@@ -1,0 +1,152 @@
+"""Hard cases: small scenes that break cloth programs, each with an expected end and a time limit.
+
+A case is valid if every frame is finite and, by the independent audit, free of crossings, and if the film
+came to its end within the limit; one that cannot be valid must end in a clear message instead.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from toile.dress.benchmarks.stress_scenes import STRESS_SCENES, StressScene
+from toile.dress.palette import BODY, garment_colour
+from toile.dress.preview import PreviewMesh, render
+from toile.dress.writers.atomic import write_atomic
+from toile.dress.writers.png import png_bytes
+from toile.engine.film_plan import FilmFrame
+from toile.engine.simulate import Simulation
+from toile.remesh.sizing import SizingOptions
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressRow:
+    """How one case ended.
+
+    Attributes
+    ----------
+    case, remesh
+        Its name, and whether the mesh adapted.
+    outcome, expected
+        "valid", "message", "crossing", "not finite", "out of time" or "early end"; and what it should be.
+    intersections
+        Crossing pairs of triangles, sum over all frames.
+    min_gap_mm
+        Smallest gap of a contact [mm], None without contact.
+    strain_percent
+        Largest strain along warp or weft in a frame.
+    frames, steps, cpu
+        Counts, and CPU time [s].
+    message
+        Why it ended early.
+    """
+
+    case: str
+    remesh: bool
+    outcome: str
+    expected: str
+    intersections: int
+    min_gap_mm: float | None
+    strain_percent: float
+    frames: int
+    steps: int
+    cpu: float
+    message: str
+
+    @property
+    def fell_short(self) -> bool:
+        """Whether it did not end as expected."""
+        return self.outcome != self.expected
+
+
+def run_case(name: str, remesh: bool, pictures: Path | None = None) -> StressRow:
+    """Run one case, on its own mesh or an adaptive one; draw its end into a folder if there is one."""
+    scene = STRESS_SCENES[name]()
+    plan = scene.plan
+    if remesh:
+        plan = replace(plan, sizing=SizingOptions(size_min=0.5 * scene.edge, size_max=10.0 * scene.edge))
+    started = process_time()
+    late = finite = True
+    last: FilmFrame | None = None
+
+    def on_frame(frame: FilmFrame) -> bool:
+        nonlocal late, finite, last
+        last = frame
+        late = process_time() - started > scene.limit
+        finite = bool(np.isfinite(frame.cloth.positions).all())
+        return finite and not late
+
+    film = Simulation(scene.cloth, scene.avatar, plan, on_frame, scene.motion)
+    record = film.run(scene.seconds)
+    crossings = sum(map(sum, record.crossings))
+    if not finite:
+        outcome = "not finite"
+    elif crossings:
+        outcome = "crossing"
+    elif record.failure:
+        outcome = "message"
+    elif late:
+        outcome = "out of time"
+    else:
+        outcome = "valid"
+    gaps = [gap for gap in record.min_gap if np.isfinite(gap)]
+    if pictures is not None and last is not None:
+        write_atomic(pictures / f"{name}{'_remesh' if remesh else ''}.png", _picture(scene, last))
+    return StressRow(
+        case=name,
+        remesh=remesh,
+        outcome=outcome,
+        expected=scene.expected,
+        intersections=crossings,
+        min_gap_mm=1e3 * min(gaps) if gaps else None,
+        strain_percent=100.0 * max(record.stretch_max),
+        frames=len(record.crossings) - 1,
+        steps=record.steps,
+        cpu=process_time() - started,
+        message=record.failure,
+    )
+
+
+def stress_table(rows: list[StressRow]) -> str:
+    """Return the rows as text, cases that fell short marked with a star."""
+    lines = [
+        f"{'case':18}{'mesh':>10}{'outcome':>13} {'crossings':>10}{'gap mm':>9}{'strain %':>9}{'frames':>7}"
+        f"{'steps':>7}{'CPU s':>8}"
+    ]
+    for row in rows:
+        gap = "-" if row.min_gap_mm is None else f"{row.min_gap_mm:.3f}"
+        lines.append(
+            f"{row.case:18}{'adaptive' if row.remesh else 'own':>10}{row.outcome:>13}"
+            f"{'*' if row.fell_short else ' '}{row.intersections:>10}{gap:>9}{row.strain_percent:>9.1f}"
+            f"{row.frames:>7}{row.steps:>7}{row.cpu:>8.1f}"
+        )
+        if row.message:
+            lines.append(f"    {row.message}")
+    return "\n".join([*lines, "* not as expected"])
+
+
+def run_stress(
+    names: list[str], say: Callable[[StressRow], None], pictures: Path | None = None
+) -> list[StressRow]:
+    """Run cases with and without remeshing; `say` gets every row as it is done."""
+    rows = []
+    for name in names:
+        for remesh in (False, True):
+            rows.append(run_case(name, remesh, pictures))
+            say(rows[-1])
+    return rows
+
+
+def _picture(scene: StressScene, frame: FilmFrame) -> bytes:
+    """Return a PNG of the end of a case."""
+    cloth = frame.cloth
+    meshes = [
+        PreviewMesh(
+            positions=cloth.positions, faces=cloth.face_nodes, colour=garment_colour(0), double_sided=True
+        )
+    ]
+    if scene.avatar is not None and frame.avatar is not None and scene.shows_avatar:
+        meshes.append(PreviewMesh(positions=frame.avatar, faces=scene.avatar[1], colour=BODY))
+    return png_bytes(render(meshes))
