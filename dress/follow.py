@@ -50,7 +50,7 @@ def follow(
     sizing
         How the mesh adapts, or None.
     folder
-        Where a PLY per garment and frame goes, or None.
+        Where a PLY per frame goes of every garment, and of the body as cloth met it, or None.
     on_frame
         Called after every frame; returning False ends the film.
     keep
@@ -62,7 +62,7 @@ def follow(
     assert motion is not None
     started = time.perf_counter()
     frames = None if folder is None else writable_folder(folder / FRAMES)
-    latest = garments
+    latest, skin = garments, avatar.vertices
     last = len(motion.frames) - 1
     plan = FilmPlan(
         step=drape.step, frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
@@ -70,7 +70,9 @@ def follow(
     )  # fmt: skip
 
     def write(frame: FilmFrame) -> bool:
-        nonlocal latest
+        nonlocal latest, skin
+        assert frame.avatar is not None
+        skin = frame.avatar
         latest = tuple(
             replace(
                 garment, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
@@ -82,6 +84,8 @@ def follow(
             for garment in latest:
                 path = frames / f"{file_stem(garment.name)}.{frame.index:04d}.ply"
                 write_atomic(path, ply_bytes(avatar.to_source(garment.positions), garment.faces))
+            body = ply_bytes(avatar.to_source(skin), avatar.faces)
+            write_atomic(frames / f"body.{frame.index:04d}.ply", body)
         return on_frame(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
@@ -123,8 +127,7 @@ def follow(
         "skin_held_back_mm_max": 1e3 * max(record.lag),
         "remeshings": len(record.remeshings),
     }
-    pose = motion.pose(len(record.crossings) - 1)
     return Followed(
-        garments=latest, avatar=replace(avatar, vertices=pose), failure=failure, cancelled=record.cancelled,
+        garments=latest, avatar=replace(avatar, vertices=skin), failure=failure, cancelled=record.cancelled,
         figures=figures, stage_seconds=film.clock.seconds,
     )  # fmt: skip

@@ -89,7 +89,9 @@ def safe_in_motion(
     if not (covered(np.zeros_like(move)) and covered(move)):
         search.search(x, allowed, drift=wanted)
     room = allowed
-    length = np.linalg.norm(move if common is None else move - common, axis=1)
+    length = np.linalg.norm(move, axis=1)
+    if common is not None:
+        length = np.linalg.norm(move - common, axis=1) + np.linalg.norm(common)
     for attempt in range(ATTEMPTS):
         search.place(x)
         if common is None:
