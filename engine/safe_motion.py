@@ -15,8 +15,10 @@ SPREAD = 2e-3
 """Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
 STEPS_AHEAD = 3.0
 """Candidates within cloth in motion cover this many steps."""
-ATTEMPTS = 4
+ATTEMPTS = 5
 """Searches at most for one move."""
+TAKEN_BACK = 0.3
+"""Share of what the guard took back once that it may take back the next time."""
 
 
 class SafeMove(NamedTuple):
@@ -88,27 +90,26 @@ def safe_in_motion(
 
     if not (covered(np.zeros_like(move)) and covered(move)):
         search.search(x, allowed, drift=wanted)
-    room = allowed
-    length = np.linalg.norm(move, axis=1)
-    if common is not None:
-        length = np.linalg.norm(move - common, axis=1) + np.linalg.norm(common)
+    limited = np.zeros(len(move), bool)
     for attempt in range(ATTEMPTS):
         search.place(x)
-        if common is None:
-            factor = safe_factors(search.positions, move, *search.pairs)
-            done = move * factor[:, None]
-        else:
-            own = move - common
-            factor = safe_factors(search.positions, own, *search.pairs)
-            done = np.where(factor[:, None] < 1.0, common + own * factor[:, None], move)
+        own = move if common is None else move - common
+        factor = safe_factors(search.positions, own, *search.pairs)
+        cut = factor < 1.0
+        limited |= cut
+        done = np.where(cut[:, None], move - (1.0 - factor)[:, None] * own, move)
         if covered(done):
-            return SafeMove(done[:count], done[count:], int(np.count_nonzero(factor[:count] < 1.0)))
-        lost = MOTION_AHEAD * (length if attempt == ATTEMPTS - 2 else (1.0 - factor) * length)
-        room = np.maximum(room, LEAST_ALLOWANCE + lost[:count])
+            return SafeMove(done[:count], done[count:], int(np.count_nonzero(limited[:count])))
+        # From here on to where the guard let them come, with room for the little that it may take back yet.
+        lost = np.linalg.norm(done - move, axis=1)
+        if attempt == ATTEMPTS - 2:
+            lost = MOTION_AHEAD * (np.linalg.norm(own, axis=1) + np.linalg.norm(done, axis=1)) / TAKEN_BACK
+        move = done
+        room = LEAST_ALLOWANCE + TAKEN_BACK * lost
         if avatar is not None and start is not None:
-            avatar.motion = np.maximum(avatar.motion, LEAST_ALLOWANCE + lost[count:])
+            avatar.drift, avatar.motion = done[count:], room[count:]
         if not search.covers_cloth(x + done[:count]):
-            search.search_cloth(x, room, drift=wanted)
-        search.search_body(x, room, drift=wanted)
+            search.search_cloth(x, room[:count], drift=done[:count])
+        search.search_body(x, room[:count], drift=done[:count])
     still = np.zeros_like(move)
     return SafeMove(still[:count], still[count:], count)

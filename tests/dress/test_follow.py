@@ -1,0 +1,92 @@
+"""A shirt follows a mannequin that walks off: frames on disk, a break in between, the same bytes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toile.dress.cli import main
+from toile.dress.dress import dress, resume
+from toile.dress.mannequin import mannequin
+from toile.dress.progress import ProgressState
+from toile.dress.scene import AvatarFile, Garment, Scene
+from toile.geometry.errors import InputError
+
+FRAMES = 5
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    body = mannequin()
+    time = np.arange(FRAMES) / 24.0
+    ahead = np.column_stack((np.zeros(FRAMES), 0.02 * np.sin(20.0 * time), 0.5 * time**2))
+    path = tmp_path_factory.mktemp("motion") / "walk.npz"
+    np.savez(path, vertices=body.vertices[None] + ahead[:, None, :], faces=body.faces, fps=24.0)
+    return Scene(
+        garments=[Garment("tshirt")], avatar=AvatarFile(path=path), quality="preview", edge_length=0.03
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("whole")
+    result = dress(scene, folder)
+    assert result.status in ("converged", "frame_limit")
+    return folder
+
+
+def frames(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "frames").iterdir())}
+
+
+def test_every_frame_is_written_and_none_crosses(whole: Path) -> None:
+    names = {f"{stem}.{number:04d}.ply" for stem in ("body", "tshirt") for number in range(FRAMES)}
+    assert set(frames(whole)) == names
+    report = json.loads((whole / "report.json").read_text())
+    animation = report["animation"]
+    assert animation["frames"] == FRAMES - 1 and animation["fps"] == 24.0
+    assert animation["intersections_max"] == 0 and animation["skin_held_back_mm_max"] < 1.0
+    assert (whole / "dressed.glb").is_file() and (whole / "preview.png").is_file()
+    assert not (whole / ".resume").exists()
+
+
+def test_a_broken_off_run_goes_on_to_the_same_bytes(scene: Scene, whole: Path, tmp_path: Path) -> None:
+    started = False
+
+    def stop(state: ProgressState) -> bool:
+        nonlocal started
+        started = started or (state.max_frames == FRAMES - 1 and state.frame == 0)
+        return not (started and state.frame == 2)
+
+    broken = dress(scene, tmp_path, stop)
+    assert broken.status == "cancelled" and len(frames(tmp_path)) == 2 * 3
+    said: list[str] = []
+    result = resume(tmp_path, say=said.append)
+    assert result.status in ("converged", "frame_limit")
+    assert any("going on after frame 2" in line for line in said)
+    assert frames(tmp_path) == frames(whole)
+    assert (tmp_path / "dressed.glb").read_bytes() == (whole / "dressed.glb").read_bytes()
+
+
+def test_a_run_broken_off_while_it_hangs_starts_over(scene: Scene, whole: Path, tmp_path: Path) -> None:
+    dress(scene, tmp_path, lambda state: state.frame < 1)
+    assert not (tmp_path / "frames").exists()
+    resume(tmp_path)
+    assert frames(tmp_path) == frames(whole)
+
+
+def test_nothing_to_take_up_and_damage_are_named(whole: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no run to take up"):
+        resume(whole)
+    (tmp_path / ".resume").mkdir()
+    (tmp_path / ".resume" / "scene").write_bytes(b"broken")
+    with pytest.raises(InputError, match="is damaged"):
+        resume(tmp_path)
+
+
+def test_the_command_wants_one_of_output_and_resume(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["dress", "--garment", "tshirt"]) == 2
+    assert "--resume OUTDIR" in capsys.readouterr().err
+    assert main(["dress", "--resume", "nowhere"]) == 2
+    assert "there is no run to take up" in capsys.readouterr().err
