@@ -76,7 +76,7 @@ def dress(
     if checkpoint is not None:
         checkpoint.begin(scene)
     hung, compile_seconds = _hang(scene, folder, progress, say)
-    return _finished(scene, hung, folder, checkpoint, progress, compile_seconds, None)
+    return _finished(scene, hung, folder, checkpoint, progress, say, compile_seconds, None)
 
 
 def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
@@ -94,28 +94,32 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
     compile_seconds = _load_kernels(scene, True, say)
     if say is not None:
         say(f"going on after frame {0 if state is None else len(state.record.crossings) - 1}")
-    return _finished(scene, hung, folder, checkpoint, progress, compile_seconds, state)
+    return _finished(scene, hung, folder, checkpoint, progress, say, compile_seconds, state)
 
 
 def _finished(
     scene: Scene, hung: Hung, folder: Path | None, checkpoint: Checkpoint | None, progress: Progress | None,
-    compile_seconds: float, state: "FilmState | None",
+    say: Say | None, compile_seconds: float, state: "FilmState | None",
 ) -> Result:  # fmt: skip
     """Let hung garments follow their avatar, if it moves; write what is left to write."""
     status, report, avatar, garments = hung.drape.status, hung.report, hung.avatar, hung.garments
     if avatar.motion is not None and status in FOLLOWS:
-        from toile.dress.follow import follow
+        from toile.dress.follow import follow, write_film
 
         wall, cpu = time.perf_counter(), time.process_time()
         if checkpoint is not None and state is None:
             checkpoint.hung(hung)
-        quality = quality_preset(scene.quality)
+        quality, avatar_fps = quality_preset(scene.quality), avatar.motion.fps
         followed = follow(
             avatar, hung.drape, garments, _sizing(scene), folder,
             _frame_callback(progress, quality.tolerance),
             (lambda _: None) if checkpoint is None else checkpoint.frame, state,
         )  # fmt: skip
         garments, avatar = followed.garments, followed.avatar
+        if folder is not None:
+            written = write_film(folder, garments, avatar_fps, followed.figures["frames"] + 1)
+            if written is None and say is not None:
+                say("no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/")
         if followed.failure is not None:
             status = "failed"
         elif followed.cancelled:

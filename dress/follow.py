@@ -1,8 +1,9 @@
 """The garments follow a moving avatar: one frame after the other, written as it is computed."""
 
 import math
+import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 from toile.dress.avatar import Avatar
 from toile.dress.drape import taken_apart
 from toile.dress.drape_types import DrapeOutcome, Failure, FrameState
+from toile.dress.palette import BODY, garment_colour, linear
 from toile.dress.result import DressedGarment, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
-from toile.dress.writers.ply import ply_bytes
+from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
 from toile.engine.simulate import Simulation
 from toile.engine.step_request import StageClock
@@ -20,6 +22,7 @@ from toile.remesh.sizing import SizingOptions
 
 FRAMES = "frames"
 """Name of the folder of frames in the output folder."""
+BODY_NAME = "body"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +35,30 @@ class Followed:
     cancelled: bool
     figures: dict[str, Any]
     stage_seconds: dict[str, float]
+
+
+def frame_path(frames: Path, name: str, index: int) -> Path:
+    """Where the mesh of that name and frame is."""
+    return frames / f"{file_stem(name)}.{index:04d}.ply"
+
+
+def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, count: int) -> Path | None:
+    """Write dressed.usdc of the `count` frames on disk; return its path, or None without USD."""
+    try:
+        from toile.dress.writers.usd import UsdMesh, write_usd
+    except ImportError:
+        return None
+    names = [(BODY_NAME, linear(BODY))]
+    names += [(garment.name, linear(garment_colour(index))) for index, garment in enumerate(garments)]
+
+    def frames(name: str) -> Iterator[PlyMesh]:
+        return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
+
+    meshes = [
+        UsdMesh(name=re.sub(r"\W", "_", file_stem(name)), colour=colour, frames=frames(name))
+        for name, colour in names
+    ]
+    return write_usd(folder / "dressed.usdc", fps, meshes)
 
 
 def follow(
@@ -50,7 +77,7 @@ def follow(
     sizing
         How the mesh adapts, or None.
     folder
-        Where a PLY per frame goes of every garment, and of the body as cloth met it, or None.
+        Where a PLY per frame goes of every garment, and of the body as cloth met it [m, Y up], or None.
     on_frame
         Called after every frame; returning False ends the film.
     keep
@@ -82,10 +109,10 @@ def follow(
         )  # fmt: skip
         if frames is not None:
             for garment in latest:
-                path = frames / f"{file_stem(garment.name)}.{frame.index:04d}.ply"
-                write_atomic(path, ply_bytes(avatar.to_source(garment.positions), garment.faces))
-            body = ply_bytes(avatar.to_source(skin), avatar.faces)
-            write_atomic(frames / f"body.{frame.index:04d}.ply", body)
+                corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
+                content = ply_bytes(garment.positions, garment.faces, corner_uv)
+                write_atomic(frame_path(frames, garment.name, frame.index), content)
+            write_atomic(frame_path(frames, BODY_NAME, frame.index), ply_bytes(skin, avatar.faces))
         return on_frame(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,

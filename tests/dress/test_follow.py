@@ -11,6 +11,7 @@ from toile.dress.dress import dress, resume
 from toile.dress.mannequin import mannequin
 from toile.dress.progress import ProgressState
 from toile.dress.scene import AvatarFile, Garment, Scene
+from toile.dress.writers.ply import read_own_ply
 from toile.geometry.errors import InputError
 
 FRAMES = 5
@@ -49,6 +50,21 @@ def test_every_frame_is_written_and_none_crosses(whole: Path) -> None:
     assert animation["intersections_max"] == 0 and animation["skin_held_back_mm_max"] < 1.0
     assert (whole / "dressed.glb").is_file() and (whole / "preview.png").is_file()
     assert not (whole / ".resume").exists()
+
+
+def test_usd_has_a_sample_per_frame_of_body_and_garment(whole: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd", reason="USD is not installed: pip install 'toile[usd]'")
+    geometry = pytest.importorskip("pxr.UsdGeom")
+    stage = usd.Stage.Open(str(whole / "dressed.usdc"))
+    assert stage.GetTimeCodesPerSecond() == 24.0 and stage.GetEndTimeCode() == FRAMES - 1
+    for name in ("body", "tshirt"):
+        mesh = geometry.Mesh(stage.GetPrimAtPath(f"/dressed/{name}"))
+        for frame in range(FRAMES):
+            stored = read_own_ply(whole / "frames" / f"{name}.{frame:04d}.ply")
+            assert np.allclose(mesh.GetPointsAttr().Get(frame), stored.positions, atol=1e-6)
+            assert np.array_equal(mesh.GetFaceVertexIndicesAttr().Get(frame), stored.faces.ravel())
+    uv = geometry.PrimvarsAPI(stage.GetPrimAtPath("/dressed/tshirt")).GetPrimvar("st")
+    assert len(uv.Get(2)) == 3 * len(stored.faces)
 
 
 def test_a_broken_off_run_goes_on_to_the_same_bytes(scene: Scene, whole: Path, tmp_path: Path) -> None:
