@@ -36,8 +36,9 @@ class AvatarMotion:
     def at(self, seconds: float, pose: Callable[[int], Float] | None = None) -> Float:
         """Positions at a time [m], shape (v, 3): cubic through the frames, so that velocities do not jump.
 
-        Tangents are central differences (Catmull-Rom); before the first and after the last frame it stays.
-        `pose` gives the frames instead, by number.
+        Tangents are central differences (Catmull-Rom), but at most three times the shorter of the two ways
+        beside them: no vertex swings back before it leaves or past where it stops (Fritsch and Carlson 1980).
+        Before the first and after the last frame the avatar stays. `pose` gives the frames instead.
         """
         pose = pose or self.pose
         place = min(max(seconds * self.fps, 0.0), len(self.frames) - 1.0)
@@ -47,8 +48,8 @@ class AvatarMotion:
             # Frames themselves come out as they are.
             return pose(index + round(s))
         start, end = pose(index), pose(index + 1)
-        leave = 0.5 * (end - pose(max(index - 1, 0)))
-        arrive = 0.5 * (pose(min(index + 2, len(self.frames) - 1)) - start)
+        leave = _tangent(start - pose(max(index - 1, 0)), end - start)
+        arrive = _tangent(end - start, pose(min(index + 2, len(self.frames) - 1)) - end)
         ease = s * s * (3.0 - 2.0 * s)
         return np.asarray(
             start + ease * (end - start) + s * (s - 1.0) ** 2 * leave + s * s * (s - 1.0) * arrive
@@ -59,3 +60,11 @@ class AvatarMotion:
         away = np.linalg.norm(self.at(seconds + span) - self.at(seconds), axis=1)
         fastest = int(away.argmax())
         return float(away[fastest]) / span, fastest
+
+
+def _tangent(before: Float, after: Float) -> Float:
+    """Tangents between two ways [m], shape (v, 3): their mean, at most three times the shorter one."""
+    mean = 0.5 * (before + after)
+    length = np.linalg.norm(mean, axis=1)
+    longest = 3.0 * np.minimum(np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1))
+    return np.asarray(mean * np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None])
