@@ -19,9 +19,19 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from toile.collide.pair_distance import length, pair_weights, weighted_sum
+from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_I32_2, kernel
+from toile.geometry.kernel import (
+    F64_1,
+    F64_2,
+    I32_2,
+    OUT_F64_1,
+    OUT_F64_2,
+    OUT_F64_3,
+    OUT_I32_2,
+    helper,
+    kernel,
+)
 
 NO_MOTION = np.empty((0, 3))
 CLOSEST = 0.1
@@ -76,6 +86,39 @@ class Contacts:
                 )  # fmt: skip
 
 
+@helper
+def _slides_past(p, ahead, kind, i, j, k, m, gap, four):  # type: ignore[no-untyped-def]
+    """Whether the normal of face or edges keeps a pair apart by `gap` before and after the motion `ahead`.
+
+    Cloth that slides over a surface passes edges and faces ahead whose closest points lie sideways.
+    """
+    if kind == 0:
+        ax, ay, az = p[k, 0] - p[j, 0], p[k, 1] - p[j, 1], p[k, 2] - p[j, 2]
+        bx, by, bz = p[m, 0] - p[j, 0], p[m, 1] - p[j, 1], p[m, 2] - p[j, 2]
+    else:
+        ax, ay, az = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
+        bx, by, bz = p[m, 0] - p[k, 0], p[m, 1] - p[k, 1], p[m, 2] - p[k, 2]
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    size = length(nx, ny, nz)
+    if size <= 0.0:
+        return False
+    nx /= size
+    ny /= size
+    nz /= size
+    # From one primitive to the other.
+    if nx * (p[i, 0] - p[k, 0]) + ny * (p[i, 1] - p[k, 1]) + nz * (p[i, 2] - p[k, 2]) < 0.0:
+        nx, ny, nz = -nx, -ny, -nz
+    for time in range(2):
+        for axis in range(3):
+            four[0, axis] = p[i, axis] + time * ahead[i, axis]
+            four[1, axis] = p[j, axis] + time * ahead[j, axis]
+            four[2, axis] = p[k, axis] + time * ahead[k, axis]
+            four[3, axis] = p[m, axis] + time * ahead[m, axis]
+        if separation(four, kind, 0, 1, 2, 3, nx, ny, nz) < gap:
+            return False
+    return True
+
+
 @kernel(
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
@@ -90,6 +133,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
     """Append the active pairs of one list from row `begin`; return the new row count."""
     count = begin
     w = np.empty(4, np.float64)
+    four = np.empty((4, 3), np.float64)
     for row in range(pairs.shape[0]):
         i = pairs[row, 0]
         j = pairs[row, 1]
@@ -118,7 +162,9 @@ def _evaluate(  # type: ignore[no-untyped-def]
                     sz += w[q] * ahead[v, 2]
         # The gap that the avatar's motion alone leads to.
         left = d + nx * sx + ny * sy + nz * sz
-        if (d >= r or left >= r) and meeting >= 0.5 * r:
+        if (d >= r or left >= r) and (
+            meeting >= 0.5 * r or _slides_past(p, ahead, kind, i, j, k, m, 0.5 * r, four)
+        ):
             continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
         patch = abs(w[0]) * area[i]
