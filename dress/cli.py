@@ -247,11 +247,18 @@ def _summary(report: dict[str, object], folder: Path) -> str:
 
     facts = cast("dict[str, Any]", report)
     crossings = facts["intersections"]
+    animation = facts.get("animation")
+    motion = (
+        ""
+        if animation is None
+        else f"; then {animation['frames']} frames of motion, "
+        f"{animation['intersections_max']} intersections at most"
+    )
     gap = "" if facts["min_gap_mm"] is None else f", smallest gap {facts['min_gap_mm']:.2f} mm"
     return (
         f"{facts['status'].replace('_', ' ')} after {facts['frames']} frames, {facts['wall_seconds']:.1f} s: "
         f"{facts['faces']['final']} faces, {crossings['avatar']} body and {crossings['self']} self "
-        f"intersections{gap}; written to {folder}"
+        f"intersections{gap}{motion}; written to {folder}"
     )
 
 
