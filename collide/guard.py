@@ -14,7 +14,7 @@ Related: displacement bounds of offset geometric contact (Chen et al. 2025), whi
 import numpy as np
 from numba import types
 
-from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
+from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, helper, kernel
 
@@ -95,21 +95,9 @@ def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-unty
         if plane[count, 8] < 0.0:
             # Sliding past an edge or a face ahead, the closest points' normal points sideways: the
             # normal of the face, or of the two edges, often separates the pair as well and lets it pass.
-            if kind == 0:
-                ax, ay, az = p[k, 0] - p[j, 0], p[k, 1] - p[j, 1], p[k, 2] - p[j, 2]
-                bx, by, bz = p[m, 0] - p[j, 0], p[m, 1] - p[j, 1], p[m, 2] - p[j, 2]
-            else:
-                ax, ay, az = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
-                bx, by, bz = p[m, 0] - p[k, 0], p[m, 1] - p[k, 1], p[m, 2] - p[k, 2]
-            nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            size = length(nx, ny, nz)
-            if size > 0.0:
-                size = size if nx * x + ny * y + nz * z >= 0.0 else -size
-                nx /= size
-                ny /= size
-                nz /= size
-                if separation(p, kind, i, j, k, m, nx, ny, nz) > 2.0 * KEPT_SHARE * d:
-                    _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, d, plane, count)
+            nx, ny, nz = spanned_normal(p, kind, i, j, k, m, x, y, z)
+            if separation(p, kind, i, j, k, m, nx, ny, nz) > 2.0 * KEPT_SHARE * d:
+                _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, d, plane, count)
         count += 1
     return count
 

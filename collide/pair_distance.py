@@ -61,3 +61,20 @@ def separation(p, kind, i, j, k, m, nx, ny, nz):  # type: ignore[no-untyped-def]
     if kind == 0:
         return hi - max(hj, hk, hm)
     return min(hi, hj) - max(hk, hm)
+
+
+@helper
+def spanned_normal(p, kind, i, j, k, m, x, y, z):  # type: ignore[no-untyped-def]
+    """Return the unit normal of face, or across both edges, on the side of (x, y, z); else zero."""
+    if kind == 0:
+        ax, ay, az = p[k, 0] - p[j, 0], p[k, 1] - p[j, 1], p[k, 2] - p[j, 2]
+        bx, by, bz = p[m, 0] - p[j, 0], p[m, 1] - p[j, 1], p[m, 2] - p[j, 2]
+    else:
+        ax, ay, az = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
+        bx, by, bz = p[m, 0] - p[k, 0], p[m, 1] - p[k, 1], p[m, 2] - p[k, 2]
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    size = length(nx, ny, nz)
+    if size <= 0.0:
+        return 0.0, 0.0, 0.0
+    size = size if nx * x + ny * y + nz * z >= 0.0 else -size
+    return nx / size, ny / size, nz / size

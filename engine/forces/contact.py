@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import types
 
-from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
+from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import (
     F64_1,
@@ -87,27 +87,13 @@ class Contacts:
 
 
 @helper
-def _slides_past(p, ahead, kind, i, j, k, m, gap, four):  # type: ignore[no-untyped-def]
+def _slides_past(p, ahead, kind, i, j, k, m, x, y, z, gap, four):  # type: ignore[no-untyped-def]
     """Whether the normal of face or edges keeps a pair apart by `gap` before and after the motion `ahead`.
 
-    Cloth that slides over a surface passes edges and faces ahead whose closest points lie sideways.
+    Cloth that slides over a surface passes edges and faces ahead whose closest points, (x, y, z) apart, lie
+    sideways.
     """
-    if kind == 0:
-        ax, ay, az = p[k, 0] - p[j, 0], p[k, 1] - p[j, 1], p[k, 2] - p[j, 2]
-        bx, by, bz = p[m, 0] - p[j, 0], p[m, 1] - p[j, 1], p[m, 2] - p[j, 2]
-    else:
-        ax, ay, az = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1], p[j, 2] - p[i, 2]
-        bx, by, bz = p[m, 0] - p[k, 0], p[m, 1] - p[k, 1], p[m, 2] - p[k, 2]
-    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    size = length(nx, ny, nz)
-    if size <= 0.0:
-        return False
-    nx /= size
-    ny /= size
-    nz /= size
-    # From one primitive to the other.
-    if nx * (p[i, 0] - p[k, 0]) + ny * (p[i, 1] - p[k, 1]) + nz * (p[i, 2] - p[k, 2]) < 0.0:
-        nx, ny, nz = -nx, -ny, -nz
+    nx, ny, nz = spanned_normal(p, kind, i, j, k, m, x, y, z)
     for time in range(2):
         for axis in range(3):
             four[0, axis] = p[i, axis] + time * ahead[i, axis]
@@ -163,7 +149,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         # The gap that the avatar's motion alone leads to.
         left = d + nx * sx + ny * sy + nz * sz
         if (d >= r or left >= r) and (
-            meeting >= 0.5 * r or _slides_past(p, ahead, kind, i, j, k, m, 0.5 * r, four)
+            meeting >= 0.5 * r or _slides_past(p, ahead, kind, i, j, k, m, x, y, z, 0.5 * r, four)
         ):
             continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.

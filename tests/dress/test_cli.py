@@ -180,7 +180,7 @@ def test_ctrl_c_keeps_the_result(tmp_path: Path, body: Path, shirt: Path, fake_d
     assert signal.getsignal(signal.SIGINT) is before
     report = json.loads((out / "report.json").read_text())
     assert (report["status"], report["frames"]) == ("cancelled", 1)
-    assert set(os.listdir(out)) == FILES
+    assert set(os.listdir(out)) == {*FILES, ".resume"}, "what --resume needs stays"
 
 
 @pytest.mark.parametrize(
