@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toile.dress.avatar import Avatar, load_avatar
-    from toile.dress.dress import dress
+    from toile.dress.dress import dress, resume
     from toile.dress.fabrics import fabric, fabrics
     from toile.dress.garment_mesh import GarmentMesh
     from toile.dress.mannequin import mannequin
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from toile.dress.result import DressedGarment, Result
     from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
     from toile.dress.scene_file import load_scene
+    from toile.engine.avatar_motion import AvatarMotion
     from toile.engine.fabric import Fabric
     from toile.geometry.errors import InputError
 
@@ -36,6 +37,7 @@ if not (Path(__file__).parent / "geometry").is_dir():
 _HOME = {
     "Avatar": "toile.dress.avatar",
     "AvatarFile": "toile.dress.scene",
+    "AvatarMotion": "toile.engine.avatar_motion",
     "DressedGarment": "toile.dress.result",
     "Fabric": "toile.engine.fabric",
     "Garment": "toile.dress.scene",
@@ -50,12 +52,14 @@ _HOME = {
     "load_avatar": "toile.dress.avatar",
     "load_scene": "toile.dress.scene_file",
     "mannequin": "toile.dress.mannequin",
+    "resume": "toile.dress.dress",
 }
 """Public name to the module that defines it."""
 
 __all__ = [
     "Avatar",
     "AvatarFile",
+    "AvatarMotion",
     "DressedGarment",
     "Fabric",
     "Garment",
@@ -71,6 +75,7 @@ __all__ = [
     "load_avatar",
     "load_scene",
     "mannequin",
+    "resume",
 ]
 
 
