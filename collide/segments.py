@@ -6,6 +6,9 @@ import numpy as np
 from toile.collide.audit import bvh_model, crossing_faces
 from toile.geometry.arrays import Bool, Float, Int
 
+WIDTH = 1e-7
+"""Width of the slivers that stand for segments [m]."""
+
 
 class SegmentTest:
     """Tests bundles of segments against one avatar."""
@@ -15,13 +18,21 @@ class SegmentTest:
 
     def crossing(self, start: Float, end: Float) -> Bool:
         """Whether each segment from start to end [m], shapes (s, 3), crosses the avatar, shape (s,)."""
+        hit = np.zeros(len(start), bool)
+        hit[self.hits(start, end)[:, 0]] = True
+        return hit
+
+    def hits(self, start: Float, end: Float) -> Int:
+        """Segments from start to end [m], shapes (s, 3), and the faces that they cross, as pairs (k, 2)."""
         count = len(start)
         if count == 0:
-            return np.zeros(0, bool)
-        corners = np.ascontiguousarray(np.stack([start, end, end + 1e-7], axis=1).reshape(-1, 3))
+            return np.empty((0, 2), np.int32)
+        along = end - start
+        # A sliver needs some width: across the axis that the segment follows least.
+        across = np.cross(along, np.eye(3)[np.abs(along).argmin(axis=1)])
+        across *= WIDTH / np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+        corners = np.ascontiguousarray(np.stack([start, end, end + across], axis=1).reshape(-1, 3))
         slivers = fcl.CollisionObject(
             bvh_model(corners, np.arange(3 * count, dtype=np.int32).reshape(-1, 3)), fcl.Transform()
         )
-        hit = np.zeros(count, bool)
-        hit[crossing_faces(slivers, self._avatar)[:, 0]] = True
-        return hit
+        return crossing_faces(slivers, self._avatar)

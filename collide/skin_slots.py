@@ -5,13 +5,13 @@ to both ("flypapering"); here the flesh gives way instead: both skins retreat un
 meets which is read off segments through every vertex along its normal, by FCL.
 """
 
-import fcl
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from toile.collide.audit import bvh_model, crossing_faces
+from toile.collide.segments import SegmentTest
 from toile.collide.shrunken import vertex_normals
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.topology import triangle_topology
 
 SLOT = 0.020
 """Room that is left between two skins [m]."""
@@ -23,8 +23,6 @@ FACING = -0.5
 """Cosine between the normals of two skins that face each other, at most."""
 FAR = 3.0
 """Length of the segments that count how often a point is inside [m]: longer than any body is thick."""
-WIDTH = 1e-7
-"""Width of the slivers that stand for segments [m]."""
 OUTWARD = 1e-4
 SMOOTHINGS = 6
 
@@ -34,9 +32,8 @@ class SkinSlots:
 
     def __init__(self, vertices: Float, faces: Int) -> None:
         self.faces = faces
-        self._count = len(vertices)
-        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        count = self._count
+        self._count = count = len(vertices)
+        edges = triangle_topology(faces).edges
         ones = np.ones(len(edges))
         near = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
         near = ((near + near.T) > 0).astype(np.float64)
@@ -50,7 +47,7 @@ class SkinSlots:
         self._same = np.sort(row.astype(np.int64) * count + column)
 
     def retreat(self, vertices: Float, near: Bool) -> Float:
-        """How far every vertex has to retreat against its normal [m], shape (v,).
+        """How every vertex has to retreat [m], shape (v, 3): against its normal.
 
         Parameters
         ----------
@@ -60,17 +57,16 @@ class SkinSlots:
             Vertices that cloth may come to, shape (v,): others need no slot.
         """
         chosen = np.flatnonzero(near)
-        wanted = np.zeros(len(vertices))
         if not len(chosen):
-            return wanted
+            return np.zeros_like(vertices)
         normals = vertex_normals(vertices, self.faces)
-        body = fcl.CollisionObject(bvh_model(vertices, self.faces), fcl.Transform())
+        body = SegmentTest((vertices, self.faces))
         corners = vertices[self.faces]
         face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         face_normals /= np.maximum(np.linalg.norm(face_normals, axis=1), 1e-300)[:, None]
 
         start, direction = vertices[chosen], normals[chosen]
-        row, face = _hits(body, start - DEEPEST * direction, start + SLOT * direction)
+        row, face = body.hits(start - DEEPEST * direction, start + SLOT * direction).T
         facing = np.einsum("ki,ki->k", direction[row], face_normals[face])
         other = facing < FACING
         row, face, facing = row[other], face[other], facing[other]
@@ -85,16 +81,15 @@ class SkinSlots:
             outside = start[behind] + OUTWARD * direction[behind]
             inside[behind] = _winding(body, face_normals, outside, direction[behind]) > 0
         met = (gap >= 0.0) | inside[row]
+        wanted = np.zeros(len(vertices))
         np.maximum.at(wanted, chosen[row[met]], 0.5 * (SLOT - gap[met]))
         for _ in range(SMOOTHINGS):
             wanted = np.maximum(wanted, self._mean @ wanted)
-        return wanted
+        return np.asarray(-wanted[:, None] * normals)
 
     def held_apart(self, vertices: Float, near: Bool) -> Float:
         """Return the pose with its skins apart [m], shape (v, 3)."""
-        return np.asarray(
-            vertices - self.retreat(vertices, near)[:, None] * vertex_normals(vertices, self.faces)
-        )
+        return vertices + self.retreat(vertices, near)
 
     def _same_skin(self, vertex: Int, face: Int) -> Bool:
         """Whether faces, shape (k,), lie in the neighbourhood of vertices, shape (k,)."""
@@ -106,21 +101,8 @@ class SkinSlots:
         return same
 
 
-def _hits(body: fcl.CollisionObject, start: Float, end: Float) -> tuple[Int, Int]:
-    """Segments, shape (n, 3) each, that hit faces of a body: row and face of every hit."""
-    along = end - start
-    # Any direction across will do.
-    across = np.cross(along, np.eye(3)[np.abs(along).argmin(axis=1)])
-    across *= WIDTH / np.linalg.norm(across, axis=1)[:, None]
-    points = np.ascontiguousarray(np.stack([start, end, end + across], axis=1).reshape(-1, 3))
-    slivers = np.arange(len(points), dtype=np.int32).reshape(-1, 3)
-    model = fcl.CollisionObject(bvh_model(points, slivers), fcl.Transform())
-    pairs = crossing_faces(model, body)
-    return pairs[:, 0], pairs[:, 1]
-
-
-def _winding(body: fcl.CollisionObject, face_normals: Float, points: Float, direction: Float) -> Int:
+def _winding(body: SegmentTest, face_normals: Float, points: Float, direction: Float) -> Int:
     """How often the body surrounds points, shape (n, 3): skins left less skins entered on the way out."""
-    row, face = _hits(body, points, points + FAR * direction)
+    row, face = body.hits(points, points + FAR * direction).T
     leaves = np.sign(np.einsum("ki,ki->k", direction[row], face_normals[face]))
     return np.asarray(np.rint(np.bincount(row, weights=leaves, minlength=len(points))), np.int32)

@@ -10,6 +10,8 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from toile.dress.avatar import FORMATS, Avatar, avatar_of, checked_frame_words, read_triangles
+from toile.dress.avatar_units import upright
+from toile.dress.surface_check import check_vertex_numbers
 from toile.engine.avatar_motion import AvatarMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -57,8 +59,7 @@ def load_animated_avatar(
         raise InputError(f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again")
     first = np.ascontiguousarray(frames[0], np.float64)
     avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=False)
-    turned = frames if avatar.up_axis == "y" else frames[:, :, [0, 2, 1]] * np.array([1, 1, -1], np.float32)
-    metres = np.asarray(turned * avatar.metres_per_unit, np.float32)
+    metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
     motion = AvatarMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
     assumed = "" if fps or own_fps else ", which is assumed: say otherwise with fps"
     said = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
@@ -86,11 +87,7 @@ def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
         raise InputError(f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}")
     if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer) or not len(faces):
         raise InputError(f"{path}: faces must be whole numbers of the shape (faces, 3), got {faces.shape}")
-    if faces.min() < 0 or faces.max() >= frames.shape[1]:
-        bad = int(np.flatnonzero(((faces < 0) | (faces >= frames.shape[1])).any(axis=1))[0])
-        raise InputError(
-            f"{path}: face {bad} refers to a vertex that does not exist; export the motion again"
-        )
+    check_vertex_numbers(path, faces, frames.shape[1], "export the motion again")
     fps = None
     if "fps" in held:
         fps = float(np.asarray(held["fps"]).ravel()[0])
@@ -128,10 +125,9 @@ def _followed(vertices: Float, frames: npt.NDArray[np.float32]) -> npt.NDArray[n
     distance, nearest = cKDTree(frames[0]).query(vertices, k=BOUND_TO)
     distance, nearest = np.asarray(distance), np.asarray(nearest)
     if len(vertices) == frames.shape[1] and (distance[:, 0] < SAME).all():
-        own = np.arange(len(vertices))
         if np.linalg.norm(frames[0] - vertices, axis=1).max() < SAME:
             return frames
-        return np.ascontiguousarray(frames[:, nearest[own, 0]])
+        return np.ascontiguousarray(frames[:, nearest[:, 0]])
     weights = 1.0 / np.maximum(distance, SAME) ** 2
     weights[distance[:, 0] < SAME, 1:] = 0.0
     weights /= weights.sum(axis=1, keepdims=True)

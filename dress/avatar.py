@@ -9,7 +9,8 @@ import numpy.typing as npt
 import trimesh
 
 from toile.dress.avatar_repair import repaired_surface
-from toile.dress.avatar_units import METRES_PER_UNIT, recognise_frame
+from toile.dress.avatar_units import METRES_PER_UNIT, recognise_frame, upright
+from toile.dress.surface_check import check_vertex_numbers
 from toile.engine.avatar_motion import AvatarMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -100,9 +101,8 @@ def avatar_of(
 ) -> Avatar:
     """Make an avatar of a file's vertices, in file units, and faces: recognise its frame and repair it."""
     frame = recognise_frame(file, vertices, units=units, up=up, is_gltf=is_gltf)
-    if frame.up_axis == "z":
-        vertices = vertices[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
-    vertices, faces, repairs = repaired_surface(file, vertices * frame.metres_per_unit, faces)
+    metres = upright(vertices, frame.up_axis) * frame.metres_per_unit
+    vertices, faces, repairs = repaired_surface(file, metres, faces)
     return Avatar(
         name=name,
         vertices=vertices,
@@ -151,9 +151,7 @@ def read_triangles(path: Path) -> tuple[Float, Int]:
         )
 
     vertices, faces = np.concatenate(corners), np.concatenate(triangles)
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        bad = int(np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))[0])
-        raise InputError(f"{path}: face {bad} refers to a vertex that does not exist; export the body again")
+    check_vertex_numbers(path, faces, len(vertices), "export the body again")
     used, renumbered = np.unique(faces, return_inverse=True)
     vertices = np.ascontiguousarray(vertices[used])
     bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))

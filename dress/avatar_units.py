@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
@@ -22,6 +23,12 @@ PLAUSIBLE_SIZE = (0.3, 3.0)
 
 GIVEN_UNIT_SIZE = (0.05, 10.0)
 """Largest extent that is believed when the unit was given [m]."""
+
+
+def upright(positions: npt.NDArray[np.floating], up: str) -> Float:
+    """Turn positions of that up axis, shape (..., 3), so that Y is up; a Z-up body that faces -Y faces +Z."""
+    turned = positions if up == "y" else positions[..., [0, 2, 1]] * (1.0, 1.0, -1.0)
+    return np.ascontiguousarray(turned, np.float64)
 
 
 @dataclass(frozen=True, kw_only=True)

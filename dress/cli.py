@@ -3,13 +3,15 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
+    from toile.dress.benchmarks.remesh import Row
+    from toile.dress.benchmarks.stress import StressRow
     from toile.dress.progress import ProgressState
     from toile.dress.scene import Scene
 
@@ -319,49 +321,53 @@ def _run_patterns(options: argparse.Namespace) -> int:
 
 def _run_bench(options: argparse.Namespace) -> int:
     """Run a study; the exit code tells whether all its bars were met."""
-    import json
-    from dataclasses import asdict
-
     from toile.dress.benchmarks.remesh import FINEST, bench_scene, table
-    from toile.dress.suggestion import unknown_name
 
-    for name in options.scene or ():
-        if name not in FINEST:
-            raise InputError(unknown_name("scene", name, FINEST))
+    _check_names("scene", options.scene or (), FINEST)
     if options.repeats < 1:
         raise InputError(f"--repeats must be at least 1, got {options.repeats}")
     rows = []
     for name in options.scene or FINEST:
         rows.append(bench_scene(name, options.seconds, options.repeats, say=_say_progress))
-        if options.json is not None:
-            options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+        _store(rows, options.json)
     print(table(rows))
     return MISSED if any(row.missed() for row in rows) else DONE
 
 
 def _run_stress(options: argparse.Namespace) -> int:
     """Run hard cases; the exit code tells whether all ended as expected."""
-    import json
-    from dataclasses import asdict
-
     from toile.dress.benchmarks.stress import run_stress, stress_table
     from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
-    from toile.dress.suggestion import unknown_name
     from toile.dress.writers.atomic import writable_folder
 
-    for name in options.case:
-        if name not in STRESS_SCENES:
-            raise InputError(unknown_name("case", name, STRESS_SCENES))
+    _check_names("case", options.case, STRESS_SCENES)
     pictures = None if options.pictures is None else writable_folder(options.pictures)
     rows = run_stress(
         options.case or list(STRESS_SCENES),
         lambda row: _say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s"),
         pictures,
     )
-    if options.json is not None:
-        options.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+    _store(rows, options.json)
     print(stress_table(rows))
     return MISSED if any(row.fell_short for row in rows) else DONE
+
+
+def _check_names(kind: str, names: Sequence[str], known: Collection[str]) -> None:
+    """Raise InputError with the nearest name for the first that is not known."""
+    from toile.dress.suggestion import unknown_name
+
+    for name in names:
+        if name not in known:
+            raise InputError(unknown_name(kind, name, known))
+
+
+def _store(rows: "Sequence[Row] | Sequence[StressRow]", path: Path | None) -> None:
+    """Write the figures of a study to a file, if there is one."""
+    import json
+    from dataclasses import asdict
+
+    if path is not None:
+        path.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
 
 
 def _say_progress(line: str) -> None:

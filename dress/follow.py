@@ -96,7 +96,7 @@ def follow(
         newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
     )  # fmt: skip
 
-    def write(frame: FilmFrame) -> bool:
+    def on_film_frame(frame: FilmFrame) -> bool:
         nonlocal latest, skin
         assert frame.avatar is not None
         skin = frame.avatar
@@ -113,6 +113,8 @@ def follow(
                 content = ply_bytes(garment.positions, garment.faces, corner_uv)
                 write_atomic(frame_path(frames, garment.name, frame.index), content)
             write_atomic(frame_path(frames, BODY_NAME, frame.index), ply_bytes(skin, avatar.faces))
+        if frame.index:
+            keep(film.state())
         return on_frame(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
@@ -120,14 +122,8 @@ def follow(
             )
         )  # fmt: skip
 
-    def on_film_frame(frame: FilmFrame) -> bool:
-        go_on = write(frame)
-        if frame.index:
-            keep(film.state())
-        return go_on
-
-    film = Simulation(drape.cloth, (avatar.vertices, avatar.faces), plan, on_film_frame, motion)
-    film.clock = film.stepper.clock = StageClock()
+    body = (avatar.vertices, avatar.faces)
+    film = Simulation(drape.cloth, body, plan, on_film_frame, motion, StageClock())
     if state is not None:
         film.go_on_from(state)
     done = 0 if state is None else len(state.record.crossings) - 1

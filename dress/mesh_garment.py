@@ -9,12 +9,12 @@ import numpy.typing as npt
 import trimesh
 
 from toile.dress.avatar import Avatar
-from toile.dress.avatar_units import METRES_PER_UNIT
+from toile.dress.avatar_units import METRES_PER_UNIT, upright
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mesh_subdivision import subdivide
 from toile.dress.read_obj import read_obj
 from toile.dress.surface import Surface
-from toile.dress.surface_check import checked_surface
+from toile.dress.surface_check import check_vertex_numbers, checked_surface
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -168,7 +168,7 @@ def _in_metres(
     own = (avatar.metres_per_unit, avatar.up_axis) if avatar else (1.0, "y")
     every = [own, *((scale, axis) for axis in ("y", "z") for scale in METRES_PER_UNIT.values())]
     placed = [
-        _turned(positions, axis) * scale
+        upright(positions, axis) * scale
         for scale, axis in every
         if (units is None or scale == METRES_PER_UNIT[units]) and (up is None or axis == up)
     ]
@@ -177,11 +177,6 @@ def _in_metres(
     best = min(placed, key=lambda candidate: _misfit(candidate, avatar.vertices))
     # What fits in no unit stays as it is: shrunk until it lies within the body, it would not be missed.
     return best if _misfit(best, avatar.vertices) < FITS else placed[0]
-
-
-def _turned(positions: Float, up: str) -> Float:
-    """Positions with Y up."""
-    return positions if up == "y" else np.ascontiguousarray(positions[:, [0, 2, 1]] * (1.0, 1.0, -1.0))
 
 
 def _misfit(garment: Float, body: Float) -> float:
@@ -223,9 +218,7 @@ def _read_with_trimesh(path: Path) -> Surface:
     if not faces:
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
     triangles = np.concatenate(faces)
-    outside = np.flatnonzero(((triangles < 0) | (triangles >= count)).any(axis=1))
-    if len(outside):
-        raise InputError(f"{path}: face {outside[0]} refers to a vertex that does not exist; repair the mesh")
+    check_vertex_numbers(path, triangles, count, "repair the mesh")
     uv_all = np.concatenate(uvs)
     textured = bool(np.isfinite(uv_all).all())
     return Surface(

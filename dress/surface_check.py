@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
@@ -15,6 +16,13 @@ SMALLEST_AREA = 1e-11
 """Faces below this area [m^2] count as degenerate: (3 micrometres)^2 is no cloth."""
 SMALLEST_HEIGHT = 1e-5
 """Smallest height of a triangle over its longest edge, relative to that edge: thinner is degenerate."""
+
+
+def check_vertex_numbers(path: Path, faces: npt.NDArray[np.integer], count: int, remedy: str) -> None:
+    """Raise InputError with the first face that refers to none of `count` vertices, and what to do."""
+    outside = np.flatnonzero(((faces < 0) | (faces >= count)).any(axis=1))
+    if len(outside):
+        raise InputError(f"{path}: face {outside[0]} refers to a vertex that does not exist; {remedy}")
 
 
 def checked_surface(path: Path, surface: Surface) -> Surface:

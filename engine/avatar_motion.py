@@ -30,8 +30,8 @@ class AvatarMotion:
         return (len(self.frames) - 1) / self.fps
 
     def pose(self, index: int) -> Float:
-        """Positions at a frame [m], shape (v, 3); before the first and after the last, theirs."""
-        return np.asarray(self.frames[min(max(index, 0), len(self.frames) - 1)], np.float64)
+        """Positions at a frame [m], shape (v, 3)."""
+        return np.asarray(self.frames[index], np.float64)
 
     def at(self, seconds: float, pose: Callable[[int], Float] | None = None) -> Float:
         """Positions at a time [m], shape (v, 3): cubic through the frames, so that velocities do not jump.

@@ -34,14 +34,15 @@ class Simulation(ClothRun):
     The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
     does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
     motion there until they part. `on_frame` is called with every audited frame and ends the film by returning
-    False.
+    False. Stages are clocked by CPU time unless `clock` does otherwise.
     """
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, plan: FilmPlan,
         on_frame: Callable[[FilmFrame], bool], motion: AvatarMotion | None = None,
+        clock: StageClock | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(cloth, avatar, plan.step, StageClock(now=process_time))
+        super().__init__(cloth, avatar, plan.step, clock or StageClock(now=process_time))
         self.plan = plan
         self.on_frame = on_frame
         self.motion = motion
@@ -53,7 +54,7 @@ class Simulation(ClothRun):
         self._min_gap = inf
         self._steps = 0
         self._avatar_speed = 0.0
-        self._lags = 0.0
+        self._lag = 0.0
 
     def run(self, seconds: float) -> FilmRecord:
         """Advance by `seconds`, rounded to whole frames, or until on_frame returns False."""
@@ -187,20 +188,15 @@ class Simulation(ClothRun):
         record.forced += 1
         return outcome, False
 
-    def _lag(self) -> float:
-        """Largest distance of an avatar's vertex from where it shall be at the end of this frame [m]."""
-        if self.path is None or self.surface is None:
-            return 0.0
-        target = self.path.at(self._frame_time() + self.plan.frame_seconds)
-        return float(np.linalg.norm(target - self.surface.vertices, axis=1).max())
-
     def _catch_up(self) -> None:
         """Let cloth give way where it holds the avatar back, without time passing."""
-        plan, stepper = self.plan, self.stepper
-        lag = self._lag()
-        if lag > ARRIVED and self.path is not None:
+        plan, stepper, surface = self.plan, self.stepper, self.surface
+        if self.path is None or surface is None:
+            return
+        target = self.path.at(self._frame_time() + plan.frame_seconds)
+        lag = _farthest(target, surface.vertices)
+        if lag > ARRIVED:
             velocities = stepper.v
-            target = self.path.at(self._frame_time() + plan.frame_seconds)
             for _ in range(CATCHING_UP):
                 stepper.v = np.zeros_like(stepper.x)
                 stepper.step(
@@ -209,7 +205,7 @@ class Simulation(ClothRun):
                         motion_max=inf, avatar_target=target,
                     )
                 )  # fmt: skip
-                before, lag = lag, self._lag()
+                before, lag = lag, _farthest(target, surface.vertices)
                 if lag <= ARRIVED or lag > 0.9 * before:
                     break
             stepper.v = velocities
@@ -218,7 +214,7 @@ class Simulation(ClothRun):
                 f"cloth holds the avatar back by {1e3 * lag:.0f} mm in frame {len(self.record.crossings)}: "
                 "it is caught where it cannot give way"
             )
-        self._lags = lag
+        self._lag = lag
 
     def stretch_max(self) -> float:
         """Largest stretch along warp or weft now."""
@@ -234,7 +230,7 @@ class Simulation(ClothRun):
             index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,
             crossings=crossings, steps=self._steps, contacts=self._contacts, min_gap=self._min_gap,
             stretch_max=self.stretch_max(),
-            avatar=None if self.surface is None else self.surface.vertices, lag=self._lags,
+            avatar=None if self.surface is None else self.surface.vertices, lag=self._lag,
         )  # fmt: skip
         record.crossings.append((len(crossings.avatar), len(crossings.cloth)))
         record.faces.append(len(self.cloth.faces))
@@ -245,3 +241,8 @@ class Simulation(ClothRun):
         self._steps, self._contacts, self._min_gap = 0, 0, inf
         if not self.on_frame(frame):
             record.cancelled = True
+
+
+def _farthest(a: Float, b: Float) -> float:
+    """Largest distance between vertices [m], both shape (v, 3)."""
+    return float(np.linalg.norm(a - b, axis=1).max())

@@ -30,7 +30,7 @@ class StressRow:
     case, remesh
         Its name, and whether the mesh adapted.
     outcome, expected
-        "valid", "message", "crossing", "not finite", "out of time" or "early end"; and what it should be.
+        "valid", "message", "crossing", "not finite" or "out of time"; and what it should be.
     intersections
         Crossing pairs of triangles, sum over all frames.
     min_gap_mm

@@ -1,19 +1,28 @@
 """Files appear whole or not at all."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from toile.geometry.errors import InputError
 
 
-def write_atomic(path: Path, content: bytes) -> Path:
-    """Write through a temporary name beside the file and return the path; OSError if that fails."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary name beside a file, of the same kind; what is written there takes the file's place."""
+    temporary = path.with_name(f".{os.getpid()}.{path.name}")
     try:
-        temporary.write_bytes(content)
+        yield temporary
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_atomic(path: Path, content: bytes) -> Path:
+    """Write a file as a whole and return its path; OSError if that fails."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
     return path
 
 

@@ -3,7 +3,6 @@
 Points, faces and texture coordinates have a sample per frame, since remeshing changes them.
 """
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
+from toile.dress.writers.atomic import replacing
 from toile.dress.writers.ply import PlyMesh
 
 
@@ -55,10 +55,6 @@ def write_usd(path: Path, fps: float, meshes: Sequence[UsdMesh]) -> Path:
             last = max(last, index)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(last)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.usdc")
-    try:
+    with replacing(path) as temporary:
         stage.Export(str(temporary))
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
     return path
