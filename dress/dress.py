@@ -73,9 +73,7 @@ def dress(
     """
     folder = None if output is None else writable_folder(output)
     checkpoint = None if folder is None else Checkpoint(folder)
-    if checkpoint is not None:
-        checkpoint.begin(scene)
-    hung, compile_seconds = _hang(scene, folder, progress, say)
+    hung, compile_seconds = _hang(scene, checkpoint, progress, say)
     return _finished(scene, hung, folder, checkpoint, progress, say, compile_seconds, None)
 
 
@@ -137,7 +135,7 @@ def _finished(
 
 
 def _hang(
-    scene: Scene, folder: Path | None, progress: Progress | None, say: Say | None
+    scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None, say: Say | None
 ) -> tuple[Hung, float]:
     """Put the garments on the avatar as it is at the start; also the seconds that loading kernels took."""
     wall, cpu = time.perf_counter(), time.process_time()
@@ -152,7 +150,7 @@ def _hang(
     if say is not None:
         for note in avatar.notes:
             say(f"{avatar.name}: {note}")
-    compile_seconds = _load_kernels(scene, folder is not None, say)
+    compile_seconds = _load_kernels(scene, checkpoint is not None, say)
     form = DressForm(avatar)
     io_seconds = time.perf_counter() - wall - compile_seconds
     from toile.dress.drape import drape
@@ -182,6 +180,9 @@ def _hang(
         )
         io_seconds += time.perf_counter() - meshing
         cloth = list(zip(meshes, cloth_fabrics, strict=True))
+        if checkpoint is not None and edge_length == edge_lengths[0]:
+            # Not before all is read: a slip of the pen must not wipe out a run that can be taken up.
+            checkpoint.begin(scene)
         outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
         for stage, seconds in outcome.figures.stage_seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds

@@ -92,6 +92,14 @@ def test_a_run_broken_off_while_it_hangs_starts_over(scene: Scene, whole: Path, 
     assert frames(tmp_path) == frames(whole)
 
 
+def test_bad_input_leaves_a_run_that_can_be_taken_up(tmp_path: Path) -> None:
+    (tmp_path / ".resume").mkdir()
+    (tmp_path / ".resume" / "scene").write_bytes(b"of a run before")
+    with pytest.raises(InputError, match="garment file not found"):
+        dress(Scene(garments=[Garment("missing.obj")]), tmp_path)
+    assert (tmp_path / ".resume" / "scene").read_bytes() == b"of a run before"
+
+
 def test_nothing_to_take_up_and_damage_are_named(whole: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no run to take up"):
         resume(whole)
