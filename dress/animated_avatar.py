@@ -1,4 +1,4 @@
-"""Reads an avatar that moves: an .npz of vertices over time, or a folder of one mesh per frame."""
+"""Reads an avatar that moves: .npz of vertices over time, animated glTF, or a folder of a mesh per frame."""
 
 import re
 from dataclasses import replace
@@ -9,14 +9,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from toile.dress.animated_gltf import read_animated_gltf
 from toile.dress.avatar import FORMATS, Avatar, avatar_of, checked_frame_words, read_triangles
 from toile.dress.avatar_units import upright
+from toile.dress.gltf_file import has_animation
 from toile.dress.surface_check import check_vertex_numbers
-from toile.engine.avatar_motion import AvatarMotion
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
 DEFAULT_FPS = 24.0
+GLTF = (".glb", ".gltf")
 SAME = 1e-6
 """Distance at which a repaired vertex counts as one of the file's [m]."""
 BOUND_TO = 4
@@ -25,7 +28,11 @@ BOUND_TO = 4
 
 def is_animated(path: Path) -> bool:
     """Whether a path names what `load_animated_avatar` reads."""
-    return path.suffix.lower() == ".npz" or path.is_dir()
+    return (
+        path.suffix.lower() == ".npz"
+        or path.is_dir()
+        or (path.suffix.lower() in GLTF and has_animation(path))
+    )
 
 
 def load_animated_avatar(
@@ -37,11 +44,12 @@ def load_animated_avatar(
     ----------
     path
         An .npz file with `vertices` (or `positions`), shape (k, v, 3), `faces`, shape (f, 3), and perhaps
-        `fps`; or a folder of mesh files of the same vertices and faces, ordered by numbers in their names.
+        `fps`; a .glb or .gltf file with an animation, the first of which counts; or a folder of mesh files
+        of the same vertices and faces, ordered by numbers in their names.
     units, up
         As for `load_avatar`, recognised from the first frame where None.
     fps
-        Frames per second; None takes the file's own, or 24.
+        Frames per second, at which a glTF animation is sampled; None takes the file's own, or 24.
 
     Raises
     ------
@@ -49,7 +57,16 @@ def load_animated_avatar(
         If something is missing, of the wrong shape or not finite, or if frames differ in their faces.
     """
     checked_frame_words(path.name, units, up)
-    frames, faces, own_fps = _read_folder(path) if path.is_dir() else _read_npz(path)
+    if fps is not None and not 0.0 < fps < np.inf:
+        raise InputError(f"{path}: fps must be greater than zero, got {fps:g}")
+    own_fps: float | None = None
+    said: tuple[str, ...] = ()
+    is_gltf = not path.is_dir() and path.suffix.lower() in GLTF
+    if is_gltf:
+        sampled = read_animated_gltf(path, fps or DEFAULT_FPS)
+        frames, faces, said = sampled.frames, sampled.faces, (sampled.note,)
+    else:
+        frames, faces, own_fps = _read_folder(path) if path.is_dir() else _read_npz(path)
     if len(frames) < 2:
         raise InputError(
             f"{path}: a motion needs two frames at least, got {len(frames)}; give a mesh instead"
@@ -58,12 +75,12 @@ def load_animated_avatar(
     if len(bad):
         raise InputError(f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again")
     first = np.ascontiguousarray(frames[0], np.float64)
-    avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=False)
+    avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=is_gltf)
     metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
-    motion = AvatarMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
+    motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
     assumed = "" if fps or own_fps else ", which is assumed: say otherwise with fps"
-    said = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
-    return replace(avatar, motion=motion, notes=(*avatar.notes, said))
+    count = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
+    return replace(avatar, motion=motion, notes=(*avatar.notes, *said, count))
 
 
 def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:

@@ -11,7 +11,7 @@ import trimesh
 from toile.dress.avatar_repair import repaired_surface
 from toile.dress.avatar_units import METRES_PER_UNIT, recognise_frame, upright
 from toile.dress.surface_check import check_vertex_numbers
-from toile.engine.avatar_motion import AvatarMotion
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -47,7 +47,7 @@ class Avatar:
     metres_per_unit: float = 1.0
     up_axis: Literal["y", "z"] = "y"
     notes: tuple[str, ...] = ()
-    motion: AvatarMotion | None = None
+    motion: VertexMotion | None = None
 
     def to_source(self, positions: npt.ArrayLike) -> Float:
         """Positions in the source file's own units and axes, from positions [m], Y up, shape (n, 3)."""

@@ -125,8 +125,8 @@ def _add_dress(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "--avatar",
         type=Path,
         metavar="BODY",
-        help="OBJ, PLY, STL or GLB body, or one that moves: an .npz or a folder of a mesh per frame "
-        "(default: built-in mannequin)",
+        help="OBJ, PLY, STL or GLB body, or one that moves: an .npz, an animated .glb or .gltf, or a folder "
+        "of a mesh per frame (default: built-in mannequin)",
     )
     dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a BODY that moves")
     dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")

@@ -263,7 +263,8 @@ def load_scene_avatar(scene: Scene) -> Avatar:
             return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps)
         if file.fps is not None:
             raise InputError(
-                f"{file.path}: fps is for an avatar that moves; give an .npz or a folder of meshes"
+                f"{file.path}: fps is for an avatar that moves; give an .npz, an animated .glb or a folder "
+                "of meshes"
             )
         return load_avatar(file.path, units=file.units, up=file.up)
     if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):

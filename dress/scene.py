@@ -15,7 +15,7 @@ from toile.remesh.sizing import SizingOptions
 
 @dataclass(frozen=True, kw_only=True)
 class AvatarFile:
-    """A body still on disk, or one that moves: an .npz or a folder of meshes.
+    """A body still on disk, or one that moves: an .npz, an animated .glb or .gltf, or a folder of meshes.
 
     Units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None; frames per second are the file's
     own or 24.

@@ -65,7 +65,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
     },
     "avatar": {
-        "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz file or folder of meshes"),
+        "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz, animated .glb or folder of meshes"),
         "fps": (NUMBER, "frames per second of a body that moves; the file's own or 24 if missing"),
         "units": (str, "m, cm or mm; recognised from the size if missing"),
         "up": (str, "y or z; recognised if missing"),

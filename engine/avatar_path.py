@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from toile.collide.skin_slots import SkinSlots
-from toile.engine.avatar_motion import AvatarMotion
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 
 NEAR = 0.1
@@ -21,7 +21,7 @@ class AvatarPath:
     KEPT = 6
     """Poses kept: interpolation needs four at a time."""
 
-    def __init__(self, motion: AvatarMotion, faces: Int) -> None:
+    def __init__(self, motion: VertexMotion, faces: Int) -> None:
         self.motion = motion
         self._slots = SkinSlots(motion.pose(0), faces)
         self.poses: dict[int, Float] = {}

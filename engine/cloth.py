@@ -7,7 +7,7 @@ vertices (the distinction of Narain, Samii and O'Brien 2012).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.engine.fabric import Fabric
@@ -51,7 +51,10 @@ class Cloth:
     waist
         Nodes kept at their start height until friction can hold the garment, shape (k,).
     pinned
-        Nodes that never move, shape (n,).
+        Nodes that no force moves, shape (n,).
+    handles
+        How pinned nodes follow points that move: weight of every point in every pinned node, sparse (n, p);
+        None where pins stay where they are.
     rest_curved
         Whether the face's rest shape is its curved start shape, shape (t,).
     start_positions
@@ -76,6 +79,7 @@ class Cloth:
     pinned: Bool
     rest_curved: Bool
     start_positions: Float
+    handles: csr_array | None = None
 
     @property
     def face_nodes(self) -> Int:
@@ -127,6 +131,12 @@ class Cloth:
         graph = coo_array((ones, (self.stitches[:, 0], self.stitches[:, 1])), shape=(count, count))
         return np.asarray(connected_components(graph, directed=False)[1], np.int32)
 
+    def led(self) -> "Cloth":
+        """Return the cloth with a handle for every pin, in their order: see `handles`."""
+        pins = np.flatnonzero(self.pinned)
+        entries = (np.ones(len(pins)), (pins, np.arange(len(pins))))
+        return replace(self, handles=csr_array(entries, shape=(len(self.positions), len(pins))))
+
     def merged(self, closed: Bool) -> "Cloth":
         """Merge the two nodes of every stitch marked in `closed`, shape (s,), at their current mean place.
 
@@ -147,6 +157,13 @@ class Cloth:
         open_ = rest[:, 0] != rest[:, 1]
         pinned = np.zeros(new_count, bool)
         pinned[label[self.pinned]] = True
+        handles = self.handles
+        if handles is not None:
+            # A pin sewn to others takes them all to where the first one goes.
+            own = np.flatnonzero(self.pinned)
+            to, first = np.unique(label[own], return_index=True)
+            shape = (new_count, count)
+            handles = csr_array(csr_array((np.ones(len(to)), (to, own[first])), shape=shape) @ handles)
         return replace(
             self,
             positions=mean(self.positions),
@@ -158,4 +175,5 @@ class Cloth:
             held=np.unique(label[self.held]).astype(np.int32),
             waist=np.unique(label[self.waist]).astype(np.int32),
             pinned=pinned,
+            handles=handles,
         )

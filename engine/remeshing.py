@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.engine.cloth import Cloth
@@ -113,7 +113,7 @@ def remesh_run(
     if velocities.any():
         after = replace(found.cloth, positions=stepper.x, velocities=velocities)
         velocities = with_momentum_of(_motion(old), _motion(after))
-        velocities[found.cloth.pinned] = 0.0
+        velocities[found.cloth.pinned] = found.cloth.velocities[found.cloth.pinned]
     stepper.v = velocities
     run.clock = stepper.clock = clock
     return Remeshing(
@@ -216,14 +216,20 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         held=marked(cloth.held),
         waist=marked(cloth.waist),
         pinned=mesh.pinned,
+        handles=None if cloth.handles is None else _handles(cloth.handles, mesh.pinned, transfer),
         rest_curved=cloth.rest_curved[transfer.faces],
         start_positions=mesh.rest,
     )
     if cloth.velocities.any():
         velocities = with_momentum_of(_motion(cloth), _motion(after))
-        velocities[after.pinned] = 0.0
+        velocities[after.pinned] = after.velocities[after.pinned]
         after = replace(after, velocities=velocities)
     return after
+
+
+def _handles(handles: csr_array, pinned: Bool, transfer: TransferMap) -> csr_array:
+    """Return the weights of moving points in the pinned nodes of the new mesh, sparse (n', p)."""
+    return csr_array(diags_array(pinned.astype(np.float64)) @ transfer.nodes @ handles)
 
 
 def _motion(cloth: Cloth) -> Motion:

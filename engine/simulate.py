@@ -8,12 +8,12 @@ from time import process_time
 import numpy as np
 
 from toile.collide.search import AvatarSurface
-from toile.engine.avatar_motion import AvatarMotion
 from toile.engine.avatar_path import AvatarPath
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.film_plan import FilmFrame, FilmPlan, FilmRecord, FilmState
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
 GROWTH = 1.2
@@ -33,19 +33,21 @@ class Simulation(ClothRun):
 
     The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
     does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
-    motion there until they part. `on_frame` is called with every audited frame and ends the film by returning
-    False. Stages are clocked by CPU time unless `clock` does otherwise.
+    motion there until they part. Pinned nodes follow the handles of the cloth, which go along `pin_motion`.
+    `on_frame` is called with every audited frame and ends the film by returning False. Stages are clocked by
+    CPU time unless `clock` does otherwise.
     """
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, plan: FilmPlan,
-        on_frame: Callable[[FilmFrame], bool], motion: AvatarMotion | None = None,
-        clock: StageClock | None = None,
+        on_frame: Callable[[FilmFrame], bool], motion: VertexMotion | None = None,
+        clock: StageClock | None = None, pin_motion: VertexMotion | None = None,
     ) -> None:  # fmt: skip
         super().__init__(cloth, avatar, plan.step, clock or StageClock(now=process_time))
         self.plan = plan
         self.on_frame = on_frame
         self.motion = motion
+        self.pin_motion = None if cloth.handles is None else pin_motion
         self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
@@ -53,7 +55,7 @@ class Simulation(ClothRun):
         self._contacts = 0
         self._min_gap = inf
         self._steps = 0
-        self._avatar_speed = 0.0
+        self._driven_speed = 0.0
         self._lag = 0.0
 
     def run(self, seconds: float) -> FilmRecord:
@@ -106,18 +108,23 @@ class Simulation(ClothRun):
         return (len(self.record.crossings) - 1) * self.plan.frame_seconds
 
     def _jumps(self) -> bool:
-        """Whether the avatar jumps until the next frame: no cloth can follow."""
-        if self.motion is None or self.path is None or self.surface is None:
-            return False
-        self.path.see(self.surface.vertices, self.stepper.x)
-        speed, vertex = self.motion.speed(self._frame_time(), self.plan.frame_seconds)
-        self._avatar_speed = speed
-        if speed > self.plan.speed_max:
-            self.record.failure = (
-                f"the avatar jumps after frame {len(self.record.crossings) - 1}: its vertex {vertex} moves "
-                f"{speed * self.plan.frame_seconds:.2f} m in {self.plan.frame_seconds:.3g} s; give more "
-                "frames in between, or start a new scene there"
-            )
+        """Whether avatar or pins jump until the next frame: no cloth can follow."""
+        if self.path is not None and self.surface is not None:
+            self.path.see(self.surface.vertices, self.stepper.x)
+        self._driven_speed = 0.0
+        for motion, name, point in (
+            (self.motion, "the avatar jumps", "its vertex"), (self.pin_motion, "pins jump", "handle")
+        ):  # fmt: skip
+            if motion is None:
+                continue
+            speed, number = motion.speed(self._frame_time(), self.plan.frame_seconds)
+            self._driven_speed = max(speed, self._driven_speed)
+            if speed > self.plan.speed_max:
+                self.record.failure = (
+                    f"{name} after frame {len(self.record.crossings) - 1}: {point} {number} moves "
+                    f"{speed * self.plan.frame_seconds:.2f} m in {self.plan.frame_seconds:.3g} s; give more "
+                    "frames in between, or start a new scene there"
+                )
         return bool(self.record.failure)
 
     def _remesh(self) -> None:
@@ -148,7 +155,7 @@ class Simulation(ClothRun):
         plan, record = self.plan, self.record
         left = seconds
         while left > 1e-9 * seconds:
-            speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._avatar_speed)
+            speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._driven_speed)
             wished = min(self._h, plan.motion_max / max(speed, 1e-300))
             h = left / ceil(left / wished - 1e-9)
             outcome, good = self._attempt(h, self._frame_time() + seconds - left + h)
@@ -174,6 +181,7 @@ class Simulation(ClothRun):
                 h=h, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
                 cg_tolerance=plan.cg_tolerance, motion_max=inf,
                 avatar_target=None if self.path is None else self.path.at(until),
+                pin_target=self._pins(until),
             )
         )  # fmt: skip
         record.newton_iterations += outcome.newton_iterations
@@ -188,13 +196,20 @@ class Simulation(ClothRun):
         record.forced += 1
         return outcome, False
 
+    def _pins(self, seconds: float) -> Float | None:
+        """Where handles take pinned nodes at a time [m], shape (n, 3); only rows of pins count."""
+        if self.pin_motion is None or self.cloth.handles is None:
+            return None
+        return np.asarray(self.cloth.handles @ self.pin_motion.at(seconds))
+
     def _catch_up(self) -> None:
-        """Let cloth give way where it holds the avatar back, without time passing."""
-        plan, stepper, surface = self.plan, self.stepper, self.surface
-        if self.path is None or surface is None:
+        """Let cloth give way where it holds avatar or pins back, without time passing."""
+        plan, stepper = self.plan, self.stepper
+        if self.path is None and self.pin_motion is None:
             return
-        target = self.path.at(self._frame_time() + plan.frame_seconds)
-        lag = _farthest(target, surface.vertices)
+        now = self._frame_time() + plan.frame_seconds
+        target, pins = None if self.path is None else self.path.at(now), self._pins(now)
+        lag = self._behind(target, pins)
         if lag > ARRIVED:
             velocities = stepper.v
             for _ in range(CATCHING_UP):
@@ -202,19 +217,29 @@ class Simulation(ClothRun):
                 stepper.step(
                     StepRequest(
                         h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
-                        motion_max=inf, avatar_target=target,
+                        motion_max=inf, avatar_target=target, pin_target=pins,
                     )
                 )  # fmt: skip
-                before, lag = lag, _farthest(target, surface.vertices)
+                before, lag = lag, self._behind(target, pins)
                 if lag <= ARRIVED or lag > 0.9 * before:
                     break
             stepper.v = velocities
         if lag > plan.lag_max:
             self.record.failure = (
-                f"cloth holds the avatar back by {1e3 * lag:.0f} mm in frame {len(self.record.crossings)}: "
-                "it is caught where it cannot give way"
+                f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "
+                f"{1e3 * lag:.0f} mm in frame {len(self.record.crossings)}: it is caught where it cannot "
+                "give way"
             )
         self._lag = lag
+
+    def _behind(self, avatar: Float | None, pins: Float | None) -> float:
+        """How far the avatar's vertices, shape (v, 3), and pins, (n, 3), are from their targets [m]."""
+        lag, stepper = 0.0, self.stepper
+        if avatar is not None and self.surface is not None:
+            lag = _farthest(avatar, self.surface.vertices)
+        if pins is not None and stepper.pinned is not None:
+            lag = max(lag, _farthest(pins[stepper.pinned], stepper.x[stepper.pinned]))
+        return lag
 
     def stretch_max(self) -> float:
         """Largest stretch along warp or weft now."""

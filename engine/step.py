@@ -29,15 +29,15 @@ from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.safe_motion import (
     LEAST_ALLOWANCE,
     MOTION_AHEAD,
-    STEPS_AHEAD,
+    expect,
     expect_avatar,
     safe_in_motion,
 )
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
-DRIFT_ALLOWANCE = 5e-3
-"""Room that candidates in motion have beside the drift of the nodes [m]."""
+DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.3
+"""Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
 OVERSIZE = 4.0
 """Candidates for more than this many times the motion at hand are too many, and searched anew."""
 LANDING = 20.0
@@ -125,7 +125,7 @@ class ClothStepper:
             self.radius_self = np.minimum(options.radius_self, 0.4 * cloth.shortest_edge)
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(len(self.x))
-        self._allowed = np.full(len(self.x), DRIFT_ALLOWANCE)
+        self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
         clock.add("assembly", started)
 
     def contacts(
@@ -147,9 +147,7 @@ class ClothStepper:
             moving = np.concatenate([ahead, avatar_ahead])
         else:
             # Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
-            missed = np.count_nonzero(~(self.search.allowance(self.x + ahead) >= 0.0))
-            if missed > FEW * len(self.x) or not self.search.covers(self.x):
-                self.search.search(self.x, self._allowed, drift=STEPS_AHEAD * ahead)
+            expect(self.search, self.x, ahead, self._allowed)
             moving = np.zeros_like(self.search.positions)
             moving[: len(self.x)] = ahead
         self.search.place(self.x)
@@ -217,8 +215,12 @@ class ClothStepper:
         if self.wind is not None:
             self.wind.begin(start)
         avatar_ahead: Float | None = None
+        pin_move: Float | None = None
         for _ in range(request.newton):
             now = self.clock.now()
+            if request.pin_target is not None and self.pinned is not None:
+                pin_move = np.where(self.pinned[:, None], request.pin_target - self.x, 0.0)
+                ahead[self.pinned] = (request.pin_target - start)[self.pinned]
             if request.avatar_target is not None and self.avatar is not None:
                 avatar_ahead = request.avatar_target - self.avatar.vertices
             contacts = self.contacts(
@@ -249,12 +251,14 @@ class ClothStepper:
                 stencils.append(self.holds.stencils(request.hold_stiffness))
             if self.untangling is not None and request.untangle_stiffness > 0.0:
                 stencils.append(self.untangling.stencils(request.untangle_stiffness))
-            self.system.update(
+            pull = self.system.update(
                 self.blocks, node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
-                pinned=self.pinned, bending_scale=request.bending_factor,
+                pinned=self.pinned, bending_scale=request.bending_factor, pin_move=pin_move,
             )  # fmt: skip
             self.preconditioner.update(self.system, self.x)
             now = self.clock.add("assembly", now)
+            if pull is not None:
+                gradient += pull
             result = solve(
                 self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
                 max_iterations=request.cg_iterations,
@@ -267,7 +271,8 @@ class ClothStepper:
                 move = self._backed_off(move, gradient)
                 self._motion = np.linalg.norm(move, axis=1)
             else:
-                move, limited = self._safe_in_motion(result.solution, avatar_ahead)
+                wanted = result.solution if pin_move is None else result.solution + pin_move
+                move, limited = self._safe_in_motion(wanted, avatar_ahead)
             outcome.limited = limited
             self.x += move
             self.clock.add("contact", now)

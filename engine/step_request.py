@@ -83,6 +83,9 @@ class StepRequest:
         Longest motion of a node in one Newton iteration [m].
     avatar_target
         Where the avatar's vertices shall be after a step in motion [m], shape (v, 3); None leaves them.
+    pin_target
+        Where pinned nodes shall be after it [m], shape (n, 3), of which only their rows count; None leaves
+        them.
     """
 
     h: float
@@ -102,6 +105,7 @@ class StepRequest:
     cg_iterations: int = 300
     motion_max: float = 0.03
     avatar_target: Float | None = None
+    pin_target: Float | None = None
 
 
 @dataclass

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from toile.dress.result import DressedGarment, Result
     from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
     from toile.dress.scene_file import load_scene
-    from toile.engine.avatar_motion import AvatarMotion
     from toile.engine.fabric import Fabric
+    from toile.engine.vertex_motion import VertexMotion
     from toile.geometry.errors import InputError
 
     __version__: str
@@ -37,7 +37,7 @@ if not (Path(__file__).parent / "geometry").is_dir():
 _HOME = {
     "Avatar": "toile.dress.avatar",
     "AvatarFile": "toile.dress.scene",
-    "AvatarMotion": "toile.engine.avatar_motion",
+    "VertexMotion": "toile.engine.vertex_motion",
     "DressedGarment": "toile.dress.result",
     "Fabric": "toile.engine.fabric",
     "Garment": "toile.dress.scene",
@@ -59,7 +59,6 @@ _HOME = {
 __all__ = [
     "Avatar",
     "AvatarFile",
-    "AvatarMotion",
     "DressedGarment",
     "Fabric",
     "Garment",
@@ -69,6 +68,7 @@ __all__ = [
     "ProgressState",
     "Result",
     "Scene",
+    "VertexMotion",
     "dress",
     "fabric",
     "fabrics",

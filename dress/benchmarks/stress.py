@@ -11,7 +11,8 @@ from time import process_time
 
 import numpy as np
 
-from toile.dress.benchmarks.stress_scenes import STRESS_SCENES, StressScene
+from toile.dress.benchmarks.stress_scene import StressScene
+from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
 from toile.dress.palette import BODY, garment_colour
 from toile.dress.preview import PreviewMesh, render
 from toile.dress.writers.atomic import write_atomic
@@ -78,7 +79,7 @@ def run_case(name: str, remesh: bool, pictures: Path | None = None) -> StressRow
         finite = bool(np.isfinite(frame.cloth.positions).all())
         return finite and not late
 
-    film = Simulation(scene.cloth, scene.avatar, plan, on_frame, scene.motion)
+    film = Simulation(scene.cloth, scene.avatar, plan, on_frame, scene.motion, pin_motion=scene.pin_motion)
     record = film.run(scene.seconds)
     crossings = sum(map(sum, record.crossings))
     if not finite:

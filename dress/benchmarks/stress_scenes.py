@@ -1,51 +1,20 @@
 """The scenes of the hard-case suite."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import trimesh
 
 from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet
+from toile.dress.benchmarks.stress_pulled import funnel, knot, wring
+from toile.dress.benchmarks.stress_scene import FPS, StressScene
 from toile.dress.fabrics import fabric
-from toile.engine.avatar_motion import AvatarMotion
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmPlan
+from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-
-FPS = 24.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class StressScene:
-    """One hard case.
-
-    Attributes
-    ----------
-    cloth, edge
-        The cloth, and the length of its edges [m].
-    plan, seconds
-        How it is run, and for how long [s].
-    avatar, motion
-        Obstacle (vertices, faces) and its motion, or None.
-    expected
-        "valid" or "message".
-    limit
-        CPU time that it may take [s].
-    shows_avatar
-        Whether its picture shows the obstacle: not one that the cloth is inside of.
-    """
-
-    cloth: Cloth
-    edge: float
-    plan: FilmPlan
-    seconds: float
-    avatar: tuple[Float, Int] | None = None
-    motion: AvatarMotion | None = None
-    expected: str = "valid"
-    limit: float = 120.0
-    shows_avatar: bool = True
 
 
 def sphere_10ms() -> StressScene:
@@ -183,7 +152,7 @@ STRESS_SCENES: dict[str, Callable[[], StressScene]] = {
     case.__name__: case
     for case in (
         sphere_10ms, spikes, twenty_layers, squeeze, self_crossing, stiff_canvas, light_cloth, heavy_cloth,
-        slivers, teleport, crumple,
+        slivers, teleport, crumple, wring, funnel, knot,
     )
 }  # fmt: skip
 """Cases by name."""
@@ -237,7 +206,7 @@ def _moving(cloth: Cloth, edge: float, vertices: Float, faces: Int, places: Floa
 
 def _film(cloth: Cloth, edge: float, frames: Float, faces: Int) -> StressScene:
     """Make a scene of a body in motion, `frames` [m] of shape (k, v, 3)."""
-    motion = AvatarMotion(frames=frames, fps=FPS)
+    motion = VertexMotion(frames=frames, fps=FPS)
     plan = replace(
         film_plan(cloth.fabrics[0]), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE,

@@ -9,10 +9,10 @@ import trimesh
 
 from tests.engine.test_only_what_is_asked import options
 from tests.engine.test_simulate import level_sheet
-from toile.engine.avatar_motion import AvatarMotion
 from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.simulate import Simulation
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
 FPS = 30.0
@@ -30,7 +30,7 @@ def film(
 ) -> tuple[Simulation, list[FilmFrame]]:
     """Cloth level at a height, above a rigid body that goes through `places`, shape (k, 3)."""
     cloth = level_sheet(0.3, 0.3, 0.05, height)
-    motion = AvatarMotion(frames=vertices[None] + places[:, None, :], fps=FPS)
+    motion = VertexMotion(frames=vertices[None] + places[:, None, :], fps=FPS)
     frames: list[FilmFrame] = []
 
     def keep(frame: FilmFrame) -> bool:
@@ -84,7 +84,7 @@ def test_a_film_taken_up_after_any_frame_ends_in_the_same_bytes() -> None:
     rise = np.linspace(0.0, 0.2, 7)[:, None] * np.array([0.2, 1.0, 0.0])
     whole, _ = film(vertices, faces, rise, 0.105, plan())
     half, _ = film(vertices, faces, rise[:4], 0.105, plan())
-    motion = AvatarMotion(frames=vertices[None] + rise[:, None, :], fps=FPS)
+    motion = VertexMotion(frames=vertices[None] + rise[:, None, :], fps=FPS)
 
     def begin(stop: Callable[[FilmFrame], bool]) -> Simulation:
         return Simulation(level_sheet(0.3, 0.3, 0.05, 0.105), (motion.pose(0), faces), plan(), stop, motion)
@@ -113,7 +113,7 @@ def test_an_avatar_that_jumps_ends_the_film_with_the_frame_and_the_vertex() -> N
 
 def test_motion_goes_through_its_frames_smoothly() -> None:
     rng = np.random.default_rng(5)
-    motion = AvatarMotion(frames=rng.normal(size=(5, 4, 3)), fps=24.0)
+    motion = VertexMotion(frames=rng.normal(size=(5, 4, 3)), fps=24.0)
     for index in range(5):
         assert np.array_equal(motion.at(index / 24.0), motion.frames[index])
     step = 1e-6
@@ -126,6 +126,6 @@ def test_motion_goes_through_its_frames_smoothly() -> None:
 def test_a_vertex_that_stands_still_does_not_swing_back_before_it_jumps() -> None:
     places = np.zeros((6, 1, 3))
     places[3:, 0, 0] = 1.0
-    motion = AvatarMotion(frames=places, fps=10.0)
+    motion = VertexMotion(frames=places, fps=10.0)
     along = np.array([motion.at(time)[0, 0] for time in np.linspace(0.0, 0.5, 200)])
     assert along.min() == 0.0 and along.max() == 1.0 and (np.diff(along) >= 0.0).all()

@@ -1,4 +1,4 @@
-"""How an avatar moves: its vertices at frames of equal distance in time, interpolated in between."""
+"""How vertices move, of an avatar or of what pins follow: frames at equal times, interpolated in between."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from toile.geometry.arrays import Float
 
 
 @dataclass(frozen=True, kw_only=True)
-class AvatarMotion:
-    """Vertices of an avatar over time.
+class VertexMotion:
+    """Vertices over time.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class AvatarMotion:
 
         Tangents are central differences (Catmull-Rom), but at most three times the shorter of the two ways
         beside them: no vertex swings back before it leaves or past where it stops (Fritsch and Carlson 1980).
-        Before the first and after the last frame the avatar stays. `pose` gives the frames instead.
+        Before the first and after the last frame they stay. `pose` gives the frames instead.
         """
         pose = pose or self.pose
         place = min(max(seconds * self.fps, 0.0), len(self.frames) - 1.0)

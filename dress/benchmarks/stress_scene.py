@@ -1,0 +1,44 @@
+"""What a scene of the hard-case suite is."""
+
+from dataclasses import dataclass
+
+from toile.engine.cloth import Cloth
+from toile.engine.film_plan import FilmPlan
+from toile.engine.vertex_motion import VertexMotion
+from toile.geometry.arrays import Float, Int
+
+FPS = 24.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressScene:
+    """One hard case.
+
+    Attributes
+    ----------
+    cloth, edge
+        The cloth, and the length of its edges [m].
+    plan, seconds
+        How it is run, and for how long [s].
+    avatar, motion
+        Obstacle (vertices, faces) and its motion, or None.
+    pin_motion
+        Motion of the points that pinned nodes follow, or None.
+    expected
+        "valid" or "message".
+    limit
+        CPU time that it may take [s].
+    shows_avatar
+        Whether its picture shows the obstacle: not one that the cloth is inside of.
+    """
+
+    cloth: Cloth
+    edge: float
+    plan: FilmPlan
+    seconds: float
+    avatar: tuple[Float, Int] | None = None
+    motion: VertexMotion | None = None
+    pin_motion: VertexMotion | None = None
+    expected: str = "valid"
+    limit: float = 120.0
+    shows_avatar: bool = True
