@@ -36,7 +36,7 @@ def crossing_faces(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
     limit = MAX_CONTACTS
     while True:
         result = fcl.CollisionResult()
-        fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit, enable_contact=True), result)
+        fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit), result)
         if len(result.contacts) < limit:
             break
         limit *= 8
@@ -44,11 +44,20 @@ def crossing_faces(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
     return np.unique(pairs, axis=0)
 
 
+def shrunk_surface(positions: Float, faces: Int) -> fcl.CollisionObject:
+    """FCL object of a surface, every triangle shrunk by SHRINK about its centroid.
+
+    Neighbours touch by construction; what still meets crosses, also where two triangles share a corner.
+    """
+    corners = positions[faces]
+    centroid = corners.mean(axis=1, keepdims=True)
+    apart = np.ascontiguousarray((centroid + (1.0 - SHRINK) * (corners - centroid)).reshape(-1, 3))
+    model = bvh_model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
+    return fcl.CollisionObject(model, fcl.Transform())
+
+
 def crossings_within(positions: Float, faces: Int, weld: Int) -> Int:
     """Face pairs of a surface that cross each other, each once, shape (k, 2).
-
-    Neighbours touch by construction, so the test runs on triangles shrunk by SHRINK about their centroids:
-    what still meets crosses, also where the two triangles share a corner.
 
     Parameters
     ----------
@@ -58,13 +67,12 @@ def crossings_within(positions: Float, faces: Int, weld: Int) -> Int:
         Vertices with the same number are being sewn together; face pairs that share such a number but
         not the vertex itself lie on the two sides of an open seam and are not counted, shape (n,).
     """
-    corners = positions[faces]
-    centroid = corners.mean(axis=1, keepdims=True)
-    apart = np.ascontiguousarray((centroid + (1.0 - SHRINK) * (corners - centroid)).reshape(-1, 3))
-    model = bvh_model(apart, np.arange(len(apart), dtype=np.int32).reshape(-1, 3))
-    pairs = crossing_faces(
-        fcl.CollisionObject(model, fcl.Transform()), fcl.CollisionObject(model, fcl.Transform())
-    )
+    return _crossings_of(shrunk_surface(positions, faces), faces, weld)
+
+
+def _crossings_of(surface: fcl.CollisionObject, faces: Int, weld: Int) -> Int:
+    """Face pairs of a shrunk surface that cross each other: see crossings_within."""
+    pairs = crossing_faces(surface, surface)
     pairs = pairs[pairs[:, 0] < pairs[:, 1]]
     a, b = faces[pairs[:, 0]], faces[pairs[:, 1]]
     other_vertex = a[:, :, None] != b[:, None, :]
@@ -90,9 +98,8 @@ class Auditor:
         weld
             As for `crossings_within`.
         """
-        empty = np.empty((0, 2), np.int32)
-        against = empty
+        cloth = shrunk_surface(positions, faces)
+        against = np.empty((0, 2), np.int32)
         if self._avatar is not None:
-            cloth = fcl.CollisionObject(bvh_model(positions, faces), fcl.Transform())
             against = crossing_faces(cloth, self._avatar)
-        return Crossings(against, crossings_within(positions, faces, weld))
+        return Crossings(against, _crossings_of(cloth, faces, weld))

@@ -1,5 +1,8 @@
 """Bounding volume hierarchy over boxes: flat arrays, built once, refitted, traversed in pairs.
 
+Boxes may move: a second box is then where each ends. Two that are apart along an axis at the start and, on
+the same side, at the end are so all the way, if all move at the same pace.
+
 Median split on the longest axis of the box centres, at most four boxes per leaf. Children come after
 their parent in the arrays, so a refit is one backward loop.
 """
@@ -25,7 +28,7 @@ class Bvh(NamedTuple):
     child
         Per tree node: (left, right) child, or (-1 - first, count) into `order` for a leaf, shape (k, 2).
     box
-        Per tree node: lower and upper corner [m], shape (k, 6).
+        Per tree node: lower and upper corner [m], shape (k, 6); of moving boxes at the end as well, (k, 12).
     """
 
     order: Int
@@ -112,32 +115,35 @@ def _split(boxes, order, child):  # type: ignore[no-untyped-def]
 
 @kernel(types.void(F64_2, I32_1, I32_2, OUT_F64_2))
 def _refit(boxes, order, child, tree_box):  # type: ignore[no-untyped-def]
+    width = boxes.shape[1]
     for node in range(child.shape[0] - 1, -1, -1):
         if child[node, 0] < 0:
             first = -1 - child[node, 0]
-            for axis in range(3):
-                low = np.inf
-                high = -np.inf
-                for k in range(first, first + child[node, 1]):
-                    low = min(low, boxes[order[k], axis])
-                    high = max(high, boxes[order[k], axis + 3])
-                tree_box[node, axis] = low
-                tree_box[node, axis + 3] = high
+            for time in range(0, width, 6):
+                for axis in range(time, time + 3):
+                    low = np.inf
+                    high = -np.inf
+                    for k in range(first, first + child[node, 1]):
+                        low = min(low, boxes[order[k], axis])
+                        high = max(high, boxes[order[k], axis + 3])
+                    tree_box[node, axis] = low
+                    tree_box[node, axis + 3] = high
         else:
             left = child[node, 0]
             right = child[node, 1]
-            for axis in range(3):
-                tree_box[node, axis] = min(tree_box[left, axis], tree_box[right, axis])
-                tree_box[node, axis + 3] = max(tree_box[left, axis + 3], tree_box[right, axis + 3])
+            for time in range(0, width, 6):
+                for axis in range(time, time + 3):
+                    tree_box[node, axis] = min(tree_box[left, axis], tree_box[right, axis])
+                    tree_box[node, axis + 3] = max(tree_box[left, axis + 3], tree_box[right, axis + 3])
 
 
 def build(boxes: Float) -> Bvh:
-    """Build the hierarchy over boxes of shape (n, 6), n >= 1: lower corner, upper corner."""
+    """Build the hierarchy over boxes of shape (n, 6) or (n, 12), n >= 1: lower corner, upper corner."""
     count = len(boxes)
     order = np.empty(count, np.int32)
     child = np.empty((2 * count + 1, 2), np.int32)
     used = _split(boxes, order, child)
-    tree = Bvh(order, child[:used].copy(), np.empty((used, 6)))
+    tree = Bvh(order, child[:used].copy(), np.empty((used, boxes.shape[1])))
     refit(tree, boxes)
     return tree
 
@@ -149,15 +155,16 @@ def refit(tree: Bvh, boxes: Float) -> None:
 
 @helper
 def _apart(a, i, b, j):  # type: ignore[no-untyped-def]
-    """Whether row i of boxes a and row j of boxes b are disjoint."""
-    return (
-        a[i, 0] > b[j, 3]
-        or b[j, 0] > a[i, 3]
-        or a[i, 1] > b[j, 4]
-        or b[j, 1] > a[i, 4]
-        or a[i, 2] > b[j, 5]
-        or b[j, 2] > a[i, 5]
-    )
+    """Whether row i of boxes a and row j of boxes b, both still or both moving, never meet."""
+    still = a.shape[1] == 6
+    for axis in range(3):
+        if a[i, axis] > b[j, axis + 3]:
+            if still or a[i, axis + 6] > b[j, axis + 9]:
+                return True
+        elif b[j, axis] > a[i, axis + 3]:
+            if still or b[j, axis + 6] > a[i, axis + 9]:
+                return True
+    return False
 
 
 @helper

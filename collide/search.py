@@ -14,9 +14,9 @@ from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
 NO_PAIRS = np.empty((0, 4), np.int32)
 
 
-@kernel(types.void(F64_2, I32_2, F64_1, OUT_F64_2))
-def _grown_boxes(p, faces, reach, boxes):  # type: ignore[no-untyped-def]
-    """Boxes of faces [m], shape (t, 6), each grown by the largest reach of its vertices."""
+@kernel(types.void(F64_2, F64_2, I32_2, F64_1, OUT_F64_2))
+def _moving_boxes(p, ends, faces, reach, boxes):  # type: ignore[no-untyped-def]
+    """Boxes of faces at p and at ends [m], shape (t, 12), each grown by the largest reach of its vertices."""
     for t in range(faces.shape[0]):
         a = faces[t, 0]
         b = faces[t, 1]
@@ -25,14 +25,8 @@ def _grown_boxes(p, faces, reach, boxes):  # type: ignore[no-untyped-def]
         for axis in range(3):
             boxes[t, axis] = min(p[a, axis], p[b, axis], p[c, axis]) - grow
             boxes[t, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis]) + grow
-
-
-def _sweep_boxes(ends: Float, faces: Int, reach: Float, boxes: Float) -> None:
-    """Let boxes of faces [m], shape (t, 6), contain those at the ends of their motion as well."""
-    swept = np.empty_like(boxes)
-    _grown_boxes(ends, faces, reach, swept)
-    np.minimum(boxes[:, :3], swept[:, :3], out=boxes[:, :3])
-    np.maximum(boxes[:, 3:], swept[:, 3:], out=boxes[:, 3:])
+            boxes[t, axis + 6] = min(ends[a, axis], ends[b, axis], ends[c, axis]) - grow
+            boxes[t, axis + 9] = max(ends[a, axis], ends[b, axis], ends[c, axis]) + grow
 
 
 class AvatarSurface:
@@ -55,7 +49,7 @@ class AvatarSurface:
         self.surface = surface_of(faces)
         self.motion = np.zeros(len(vertices))
         self.drift: Float | None = None
-        self.boxes = np.empty((len(faces), 6))
+        self.boxes = np.empty((len(faces), 12))
         self._tree: bvh.Bvh | None = None
         self._reach = np.full(len(vertices), -1.0)
 
@@ -72,14 +66,12 @@ class AvatarSurface:
     def tree(self, reach: Float, ends: Float | None = None) -> bvh.Bvh:
         """Hierarchy over the faces, each grown by the largest reach of its vertices [m], shape (v,).
 
-        With `ends` [m], shape (v, 3), the faces are swept to them.
+        With `ends` [m], shape (v, 3), the faces move there.
         """
         if self._tree is None or ends is not None or not np.array_equal(reach, self._reach):
-            _grown_boxes(self.vertices, self.faces, reach, self.boxes)
-            self._reach = reach.copy()
-            if ends is not None:
-                _sweep_boxes(ends, self.faces, reach, self.boxes)
-                self._reach[:] = -1.0
+            still = ends is None
+            _moving_boxes(self.vertices, self.vertices if still else ends, self.faces, reach, self.boxes)
+            self._reach[:] = reach if still else -1.0
             if self._tree is None:
                 self._tree = bvh.build(self.boxes)
             else:
@@ -159,7 +151,7 @@ class ContactSearch:
             self.positions[count:] = avatar.vertices
             shifted = avatar.surface.faces + np.int32(count)
             self._avatar_surface = Surface(shifted, avatar.surface.owns_vertex, avatar.surface.owns_edge)
-        self._boxes = np.empty((len(face_nodes), 6))
+        self._boxes = np.empty((len(face_nodes), 12))
         self._tree: bvh.Bvh | None = None
         self._among_cloth = self._with_body = Cover(np.full((count, 3), np.nan), np.zeros(count), None)
         self._avatar_origin = np.empty((0, 3))
@@ -207,22 +199,31 @@ class ContactSearch:
         """
         if self._avatar is None:
             return self._among_cloth.allowance(x)
-        if avatar is None:
-            left = self._with_body.allowance(x)
-        else:
-            surface, cover = self._avatar, self._with_body
-            still = np.zeros_like(x) if cover.drift is None else cover.drift
-            moving = np.zeros_like(avatar) if surface.drift is None else surface.drift
-            both = Cover(
-                np.concatenate([cover.origin, self._avatar_origin]),
-                np.concatenate([cover.allowed, surface.motion]),
-                np.concatenate([still, moving]),
-            )
-            left = both.allowance(np.concatenate([x, avatar]))
+        left = self.left_with_body(x, avatar)
         if self._self_contact:
             count = self._count
             left[:count] = np.minimum(left[:count], self._among_cloth.allowance(x))
         return left
+
+    def left_in_cloth(self, x: Float) -> Float:
+        """How far each node may still move from x before candidates within the cloth are incomplete [m]."""
+        return self._among_cloth.allowance(x) if self._self_contact else np.full(len(x), np.inf)
+
+    def left_with_body(self, x: Float, avatar: Float | None = None) -> Float:
+        """How far each node, and vertex, may still move before candidates against the avatar are [m]."""
+        if self._avatar is None:
+            return np.full(len(x), np.inf)
+        if avatar is None:
+            return self._with_body.allowance(x)
+        surface, cover = self._avatar, self._with_body
+        still = np.zeros_like(x) if cover.drift is None else cover.drift
+        moving = np.zeros_like(avatar) if surface.drift is None else surface.drift
+        both = Cover(
+            np.concatenate([cover.origin, self._avatar_origin]),
+            np.concatenate([cover.allowed, surface.motion]),
+            np.concatenate([still, moving]),
+        )
+        return both.allowance(np.concatenate([x, avatar]))
 
     def covers(self, x: Float, avatar: Float | None = None) -> bool:
         """Whether the candidates are complete for nodes at x and on the straight way there.
@@ -233,7 +234,11 @@ class ContactSearch:
 
     def covers_cloth(self, x: Float) -> bool:
         """Whether the candidates within the cloth are complete for nodes at x and on the way there."""
-        return not self._self_contact or bool((self._among_cloth.allowance(x) >= 0.0).all())
+        return bool((self.left_in_cloth(x) >= 0.0).all())
+
+    def covers_body(self, x: Float) -> bool:
+        """Whether the candidates against a still avatar are complete for nodes at x and on the way there."""
+        return bool((self.left_with_body(x) >= 0.0).all())
 
     def search(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
         """Find all pairs that can touch while every node moves at most `motion` [m], shape (n,), from x.
@@ -251,8 +256,7 @@ class ContactSearch:
             return
         self._begin(x, motion)
         self._among_cloth = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
-        # Common motion does not matter among the cloth itself.
-        ends = self._ends(None if drift is None else drift - drift.mean(axis=0))
+        ends = self._ends(drift)
         tree = self._own_tree(ends)
         self.cloth = find_candidates(
             self.positions, self.weld, self._ghost, self._surface, self._boxes, tree, None, self._boxes,
@@ -283,26 +287,19 @@ class ContactSearch:
         self._reach[: self._count] = 0.5 * self._radius_self + motion
 
     def _ends(self, drift: Float | None, avatar_drift: Float | None = None) -> Float:
-        """Return the places that all vertices drift to [m], shape (n, 3).
-
-        Where the avatar drifts too, its mean motion is left out on both sides: common motion does not matter.
-        """
+        """Return the places that all vertices drift to [m], shape (n, 3)."""
         if drift is None and avatar_drift is None:
             return self.positions
         ends = self.positions.copy()
         if drift is not None:
             ends[: self._count] += drift
         if avatar_drift is not None:
-            common = avatar_drift.mean(axis=0)
-            ends[: self._count] -= common
-            ends[self._count :] += avatar_drift - common
+            ends[self._count :] += avatar_drift
         return ends
 
     def _own_tree(self, ends: Float) -> bvh.Bvh:
-        """Hierarchy over the cloth's faces, swept to their ends and grown by their reach."""
-        _grown_boxes(self.positions, self._surface.faces, self._reach, self._boxes)
-        if ends is not self.positions:
-            _sweep_boxes(ends, self._surface.faces, self._reach, self._boxes)
+        """Hierarchy over the cloth's faces, moving to their ends and grown by their reach."""
+        _moving_boxes(self.positions, ends, self._surface.faces, self._reach, self._boxes)
         if self._tree is None:
             self._tree = bvh.build(self._boxes)
         else:

@@ -32,6 +32,25 @@ def once_unordered(pairs: Int) -> set[tuple[int, int]]:
     return once(np.sort(pairs, axis=1))
 
 
+@pytest.mark.parametrize("count", [1, 5, 33, 200])
+def test_moving_boxes_that_meet_are_never_missed(count: int) -> None:
+    """Twin: the boxes at many times; what an axis keeps apart at both ends is not listed."""
+    generator = np.random.default_rng(count)
+    start, way = random_boxes(generator, count, 0.2), generator.uniform(-1.0, 1.0, (count, 3))
+    end = start + np.tile(way, 2) + generator.uniform(0.0, 0.1, (count, 6)) * [-1, -1, -1, 1, 1, 1]
+    moving = np.concatenate([start, end], axis=1)
+    found = once_unordered(bvh.self_overlapping_pairs(bvh.build(moving), moving))
+    met = set()
+    for pace in np.linspace(0.0, 1.0, 101):
+        now = (1.0 - pace) * start + pace * end
+        met |= {(i, j) for i, j in all_overlaps(now, now) if i < j}
+    assert met <= found
+    for i, j in found:
+        before, after = start[i, :3] - start[j, 3:], end[i, :3] - end[j, 3:]
+        behind, later = start[j, :3] - start[i, 3:], end[j, :3] - end[i, 3:]
+        assert not ((before > 0.0) & (after > 0.0)).any() and not ((behind > 0.0) & (later > 0.0)).any()
+
+
 @pytest.mark.parametrize("count", [1, 2, 4, 5, 33, 400])
 @pytest.mark.parametrize("size", [0.0, 0.05, 0.8])
 def test_pairs_between_two_sets(count: int, size: float) -> None:
