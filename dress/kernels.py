@@ -17,6 +17,7 @@ DRAPE_KERNELS = (
     "toile.collide.guard",
     "toile.collide.carry",
     "toile.engine.forces.contact",
+    "toile.engine.forces.friction",
     "toile.engine.preconditioner.aggregates",
     "toile.engine.preconditioner.band_cholesky",
     "toile.engine.preconditioner.rigid_coarse",

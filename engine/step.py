@@ -13,19 +13,17 @@ from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.shrunken import vertex_normals
 from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
-from toile.engine.cg import solve
 from toile.engine.cloth import Cloth
 from toile.engine.forces.bend import Bending
-from toile.engine.forces.contact import NO_MOTION, ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.contact import NO_MOTION, Contacts, evaluate_contacts
 from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
 from toile.engine.friction_anchors import slid_anchors
-from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
-from toile.engine.preconditioner.base import Preconditioner
-from toile.engine.preconditioner.choice import make_preconditioner
+from toile.engine.iteration_solver import Iteration, IterationSolver
+from toile.engine.linear_system import LinearSystem
 from toile.engine.safe_motion import (
     LEAST_ALLOWANCE,
     MOTION_AHEAD,
@@ -40,11 +38,6 @@ DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.3
 """Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
 OVERSIZE = 4.0
 """Candidates for more than this many times the motion at hand are too many, and searched anew."""
-LANDING = 20.0
-"""Stiffness of contacts ahead, over that of inertia: lands within a twentieth of what it stops.
-
-At full stiffness pairs that would only touch later hold cloth and obstacle together as if glued.
-"""
 LOCAL_HALVINGS, HALVINGS = 6, 6
 """How often a step to equilibrium is shortened when it stretches the cloth more than forces pull it."""
 TOLERATED = 0.2
@@ -103,7 +96,7 @@ class ClothStepper:
         stencils = [faces] + ([cloth.stitches] if len(cloth.stitches) else [])
         self.pattern = BlockPattern(len(self.x), stencils)
         self.system = LinearSystem(self.pattern, None if self.bending is None else self.bending.stiffness)
-        self.preconditioner: Preconditioner = make_preconditioner(self.system)
+        self.solver = IterationSolver(self.system)
         self.blocks = self.pattern.zeros()
         weld = cloth.weld
         self.search: ContactSearch | None = None
@@ -120,7 +113,6 @@ class ClothStepper:
             self.area = np.concatenate(
                 [cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area]
             )
-            self.density = self.mass.sum() / self.area[: len(self.x)].sum()
             self.radius_body = np.full(len(self.x) + others, options.radius_body)
             self.radius_self = np.minimum(options.radius_self, 0.4 * cloth.shortest_edge)
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
@@ -151,15 +143,10 @@ class ClothStepper:
             moving = np.zeros_like(self.search.positions)
             moving[: len(self.x)] = ahead
         self.search.place(self.x)
-        friction = request.friction
-        law_body, law_self = self.options.law_body, self.options.law_self
-        if not friction:
-            law_body = ContactLaw(stiffness=law_body.stiffness, friction=0.0, edge_share=law_body.edge_share)
-            law_self = ContactLaw(stiffness=law_self.stiffness, friction=0.0, edge_share=law_self.edge_share)
         return evaluate_contacts(
             self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
-            self.radius_body, self.radius_self_all(), self.area, law_body, law_self, self.options.slip,
-            moving, LANDING * self.density / request.h**2,
+            self.radius_body, self.radius_self_all(), self.area, self.options.law_body, self.options.law_self,
+            moving,
         )  # fmt: skip
 
     def radius_self_all(self) -> Float:
@@ -167,8 +154,8 @@ class ClothStepper:
         count = len(self.anchor) - len(self.x)
         return np.concatenate([self.radius_self, np.full(count, self.options.radius_self)])
 
-    def gradient(self, y: Float, request: StepRequest, contacts: Contacts | None) -> Float:
-        """Gradient of the step's energy [N] after forces were evaluated, shape (n, 3)."""
+    def gradient(self, y: Float, request: StepRequest) -> Float:
+        """Gradient of the step's energy [N], contacts aside, after forces were evaluated, shape (n, 3)."""
         gradient = (self.mass / request.h**2)[:, None] * (self.x - y)
         scatter_gradients(self.faces, self.membrane.element_gradient, gradient)
         if self.bending is not None:
@@ -179,8 +166,6 @@ class ClothStepper:
             self.holds.add_gradient(self.x, request.hold_stiffness, gradient)
         if self.untangling is not None and request.untangle_stiffness > 0.0:
             self.untangling.add_gradient(request.untangle_stiffness, gradient)
-        if contacts is not None:
-            contacts.add_gradient(gradient)
         return gradient
 
     def save(self) -> Saved:
@@ -238,36 +223,30 @@ class ClothStepper:
                 assert self.search is not None
                 self.search.place(self.x)
                 self.untangling.evaluate(self.search.positions)
-            gradient = self.gradient(y, request, contacts)
+            gradient = self.gradient(y, request)
             if self.wind is not None:
                 gradient += self.wind.gradient((self.x - start) / h)
                 self.blocks[self.pattern.diagonal] += self.wind.drag / h
             stencils = []
-            if contacts is not None:
-                stencils.append(ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness))
-                outcome.contacts = contacts.count
-                outcome.min_gap = float(contacts.gap.min(initial=np.inf))
             if self.holds is not None and request.hold_stiffness > 0.0:
                 stencils.append(self.holds.stencils(request.hold_stiffness))
             if self.untangling is not None and request.untangle_stiffness > 0.0:
                 stencils.append(self.untangling.stencils(request.untangle_stiffness))
-            pull = self.system.update(
-                self.blocks, node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
-                pinned=self.pinned, bending_scale=request.bending_factor, pin_move=pin_move,
-            )  # fmt: skip
-            self.preconditioner.update(self.system, self.x)
-            now = self.clock.add("assembly", now)
-            if pull is not None:
-                gradient += pull
-            result = solve(
-                self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
-                max_iterations=request.cg_iterations,
-            )  # fmt: skip
-            now = self.clock.add("solve", now)
+            self.clock.add("assembly", now)
+            if contacts is not None:
+                outcome.contacts = contacts.count
+                outcome.min_gap = float(contacts.gap.min(initial=np.inf))
+            iteration = Iteration(
+                request, self.x, self.blocks, gradient, node_diagonal, stencils, self.pinned, pin_move
+            )
+            result, contacts = self.solver.solve(iteration, contacts, self.options.slip, self.clock)
+            now = self.clock.now()
             outcome.newton_iterations += 1
             outcome.cg_iterations += result.iterations
             if request.at_rest:
                 move, limited = self._safe(request.move_share * result.solution, request.motion_max)
+                if contacts is not None:
+                    contacts.add_gradient(gradient)
                 move = self._backed_off(move, gradient)
                 self._motion = np.linalg.norm(move, axis=1)
             else:

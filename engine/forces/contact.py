@@ -1,20 +1,19 @@
-"""Contact: a barrier on the gap of close pairs, and smoothed Coulomb friction with lagged normal force.
+"""Contact: a barrier on the gap of close pairs.
 
 Per pair with gap d below the contact radius r, area A and stiffness kappa [Pa/m]:
 quadratic kappa A (r - d)^2 / 2 down to r / 2, logarithmic below (force kappa A r^2 / (4 d)), so that the
 force is smooth and grows without limit as the gap closes (activation of Chen et al. 2025, eq. 18-20).
-Friction pulls against the tangential slip u of this step with mu * lambda * f(|u|), f rising smoothly
-from 0 to 1 at |u| = slip (Li et al. 2020, section 5).
 
-Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer than
-r / 2 is a contact already: the quadratic law, extended to d > r at a stiffness that outweighs inertia, makes
-the linear solve end near the gap r, so that an impact takes one step of any size.
+Cloth in motion may cross the radius within one step. A pair that the motion to come would bring closer is a
+contact already: the quadratic law, extended to d > r, makes the linear solve end at the gap r, so that an
+impact takes one step of any size, and cloth a hair's breadth off the surface does not fall on it anew. It
+would as well hold back what leaves: `engine.forces.friction` lets go what pulls.
 
 An avatar that moves in a step counts with the gap and the slip that its motion alone leads to: its cloth is
 pushed and dragged within the same linear solve.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import types
@@ -27,13 +26,14 @@ from toile.geometry.kernel import (
     I32_2,
     OUT_F64_1,
     OUT_F64_2,
-    OUT_F64_3,
     OUT_I32_2,
     helper,
     kernel,
 )
 
 NO_MOTION = np.empty((0, 3))
+FACING = 0.999999
+"""Cosine between closest direction and normal from which a pair meets face to face, not sideways."""
 CLOSEST = 0.1
 """Least gap that an avatar in motion is taken to leave, as a share of the contact radius."""
 
@@ -46,6 +46,16 @@ class Contacts:
     ----------
     nodes, weights
         The four vertices of a pair and their weights in the gap vector, shape (c, 4).
+    normal
+        Unit vector along which the pair is pushed apart, shape (c, 3).
+    push
+        Force along it [N], shape (c,).
+    hard
+        How fast that falls as the gap opens [N/m], shape (c,).
+    slid
+        Slip along the surface since the anchors [m], shape (c, 3).
+    friction
+        Coulomb coefficient, shape (c,).
     force
         Force on the pair [N]: vertex q receives weights[q] * force, shape (c, 3).
     stiffness
@@ -57,11 +67,16 @@ class Contacts:
     body
         Number of leading rows whose other side is the avatar.
     energy
-        Barrier plus friction energy [J].
+        Barrier energy [J].
     """
 
     nodes: Int
     weights: Float
+    normal: Float
+    push: Float
+    hard: Float
+    slid: Float
+    friction: Float
     force: Float
     stiffness: Float
     gap: Float
@@ -73,6 +88,15 @@ class Contacts:
     def count(self) -> int:
         """Number of active contacts."""
         return len(self.gap)
+
+    def pressing(self, push: Float, hard: Float, grip: Float) -> "Contacts":
+        """Return the contacts with other forces [N] and stiffnesses [N/m] along, and `grip` across, (c,)."""
+        along = self.normal[:, :, None] * self.normal[:, None, :]
+        across = grip[:, None, None] * (np.eye(3) - along)
+        return replace(
+            self, force=push[:, None] * self.normal - grip[:, None] * self.slid,
+            stiffness=hard[:, None, None] * along + across,
+        )  # fmt: skip
 
     def add_gradient(self, gradient: Float) -> None:
         """Subtract contact forces [N] from a gradient, shape (n, 3)."""
@@ -107,14 +131,14 @@ def _slides_past(p, ahead, kind, i, j, k, m, x, y, z, gap, four):  # type: ignor
 
 @kernel(
     types.int64(
-        F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64,
-        types.float64, types.float64, F64_2, types.float64, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2,
-        OUT_F64_3, OUT_F64_1, OUT_I32_2, OUT_F64_1,
+        F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64, F64_2,
+        types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
+        OUT_F64_1, OUT_I32_2, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
-    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, mu, slip, radius_share, ahead, kappa_ahead,
-    begin, nodes, weights, force, stiffness, gap, vertices, energy,
+    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, radius_share, ahead, begin,
+    nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy,
 ):  # fmt: skip
     """Append the active pairs of one list from row `begin`; return the new row count."""
     count = begin
@@ -148,10 +172,15 @@ def _evaluate(  # type: ignore[no-untyped-def]
                     sz += w[q] * ahead[v, 2]
         # The gap that the avatar's motion alone leads to.
         left = d + nx * sx + ny * sy + nz * sz
-        if (d >= r or left >= r) and (
-            meeting >= 0.5 * r or _slides_past(p, ahead, kind, i, j, k, m, x, y, z, 0.5 * r, four)
-        ):
-            continue
+        if d >= r or left >= r:
+            if meeting >= r:
+                continue
+            ox, oy, oz = spanned_normal(p, kind, i, j, k, m, x, y, z)
+            facing = abs(nx * ox + ny * oy + nz * oz) > FACING
+            if not facing and (
+                meeting >= 0.5 * r or _slides_past(p, ahead, kind, i, j, k, m, x, y, z, 0.5 * r, four)
+            ):
+                continue
         # Both sides press on the smaller of their two patches, whatever the other mesh's triangles are.
         patch = abs(w[0]) * area[i]
         other = abs(w[2]) * area[k] + abs(w[3]) * area[m]
@@ -160,7 +189,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         else:
             patch += abs(w[1]) * area[j]
         patch = 2.0 * min(patch, other)
-        scale = 0.5 * (kappa if d < r else min(kappa, kappa_ahead)) * patch
+        scale = 0.5 * kappa * patch
         if left >= 0.5 * r:
             push = scale * (r - left)
             hard = scale
@@ -182,35 +211,14 @@ def _evaluate(  # type: ignore[no-untyped-def]
         sx -= along * nx
         sy -= along * ny
         sz -= along * nz
-        slid = length(sx, sy, sz)
-        grip = 0.0
-        ease = 0.0
-        if mu > 0.0 and push > 0.0:
-            # Secant across the slip; along it the tangent, which vanishes once the contact slides: with
-            # the secant a sliding contact could move no farther than about `slip` per iteration.
-            if slid < slip:
-                grip = mu * push * (2.0 - slid / slip) / slip
-                ease = mu * push * slid / (slip * slip)
-                energy[0] += mu * push * slid * slid * (1.0 - slid / (3.0 * slip)) / slip
-            else:
-                grip = mu * push / slid
-                ease = grip
-                energy[0] += mu * push * (slid - slip / 3.0)
-        force[count, 0] = push * nx - grip * sx
-        force[count, 1] = push * ny - grip * sy
-        force[count, 2] = push * nz - grip * sz
-        stiff = hard - grip
-        if slid > 0.0:
-            ease /= slid * slid
-        stiffness[count, 0, 0] = stiff * nx * nx + grip - ease * sx * sx
-        stiffness[count, 1, 1] = stiff * ny * ny + grip - ease * sy * sy
-        stiffness[count, 2, 2] = stiff * nz * nz + grip - ease * sz * sz
-        stiffness[count, 0, 1] = stiff * nx * ny - ease * sx * sy
-        stiffness[count, 1, 0] = stiffness[count, 0, 1]
-        stiffness[count, 0, 2] = stiff * nx * nz - ease * sx * sz
-        stiffness[count, 2, 0] = stiffness[count, 0, 2]
-        stiffness[count, 1, 2] = stiff * ny * nz - ease * sy * sz
-        stiffness[count, 2, 1] = stiffness[count, 1, 2]
+        slid_of[count, 0] = sx
+        slid_of[count, 1] = sy
+        slid_of[count, 2] = sz
+        normal[count, 0] = nx
+        normal[count, 1] = ny
+        normal[count, 2] = nz
+        push_of[count] = push
+        hard_of[count] = hard
         gap[count] = d
         for q in range(4):
             v = pairs[row, q]
@@ -244,58 +252,48 @@ class ContactLaw:
 def evaluate_contacts(
     p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
     radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
-    slip: float, ahead: Float = NO_MOTION,
-    stiffness_ahead: float = 0.0,
+    ahead: Float = NO_MOTION,
 ) -> Contacts:  # fmt: skip
-    """Evaluate all candidate pairs at positions p.
+    """Evaluate all candidate pairs at positions p, without friction.
 
     Parameters
     ----------
     p, p_start
-        Cloth nodes followed by avatar vertices now and at the start of the step [m], shape (n, 3).
+        Cloth nodes followed by avatar vertices now and at their anchors [m], shape (n, 3).
     body, cloth
         (vertex-face, edge-edge) candidates against the avatar and within the cloth.
     radius_body, radius_self
         Contact radius per vertex [m], shape (n,); a pair uses its smallest.
     area
         Area per vertex [m^2], shape (n,).
-    slip
-        Slip at which friction is fully mobilised in this step [m].
     ahead
-        Motion to come [m], shape (n, 3): pairs that it would bring closer than half the radius are
-        contacts already, without friction. Without it only pairs within the radius are. That of avatar
-        vertices is certain: gap and slip count as after it.
-    stiffness_ahead
-        Pressure per depth of such contacts [Pa/m].
+        Motion to come [m], shape (n, 3): pairs that it would bring closer than the radius are contacts
+        already. Without it only pairs within the radius are. That of avatar vertices is certain: gap and slip
+        count as after it.
     """
     capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
-    nodes = np.empty((capacity, 4), np.int32)
-    weights = np.empty((capacity, 4))
-    force = np.empty((capacity, 3))
-    stiffness = np.empty((capacity, 3, 3))
-    gap = np.empty(capacity)
-    vertices = np.empty((capacity, 4), np.int32)
+    nodes, vertices = np.empty((capacity, 4), np.int32), np.empty((capacity, 4), np.int32)
+    weights, normal, slid = np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty((capacity, 3))
+    push, hard, gap, friction = (np.empty(capacity) for _ in range(4))
     energy = np.zeros(1)
     count = 0
     touching_body = 0
     for pairs_of, radius, law in ((body, radius_body, law_body), (cloth, radius_self, law_self)):
+        before = count
         for kind in (0, 1):
             if len(pairs_of[kind]):
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
-                    p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, law.friction,
-                    slip, share, ahead, stiffness_ahead, count, nodes, weights, force, stiffness, gap,
-                    vertices, energy,
+                    p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, share, ahead,
+                    count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
                 )  # fmt: skip
+        friction[before:count] = law.friction
         if pairs_of is body:
             touching_body = count
+    normal, push, hard = normal[:count], push[:count], hard[:count]
     return Contacts(
-        nodes[:count],
-        weights[:count],
-        force[:count],
-        stiffness[:count],
-        gap[:count],
-        vertices[:count],
-        touching_body,
-        float(energy[0]),
-    )
+        nodes=nodes[:count], weights=weights[:count], normal=normal, push=push, hard=hard, slid=slid[:count],
+        friction=friction[:count], force=push[:, None] * normal,
+        stiffness=hard[:, None, None] * (normal[:, :, None] * normal[:, None, :]), gap=gap[:count],
+        vertices=vertices[:count], body=touching_body, energy=float(energy[0]),
+    )  # fmt: skip

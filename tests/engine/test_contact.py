@@ -1,5 +1,7 @@
 """Contact forces against their energy, and friction against the block on an incline."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOptions, StepRequest
 from toile.geometry.arrays import Float, Int
@@ -39,9 +42,10 @@ class Scene:
 
     def evaluate(self, p: Float, start: Float, law_: ContactLaw, slip: float = 1e-3) -> Contacts:
         area = np.full(len(p), 4e-4)
-        return evaluate_contacts(
-            p, start, self.count, self.body, self.cloth, self.radius, self.radius, area, law_, law_, slip
+        contacts = evaluate_contacts(
+            p, start, self.count, self.body, self.cloth, self.radius, self.radius, area, law_, law_
         )
+        return rubbed(contacts, friction_at_start(contacts, slip))
 
 
 def forces_on_nodes(contacts: Contacts, count: int) -> Float:
@@ -108,10 +112,11 @@ def vertex_over_face(gap: float, slid: Float, friction: float, slip: float = 1e-
     start = p.copy()
     start[0] = (0.0, gap, 0.0)
     pair = np.array([[0, 1, 2, 3]], np.int32)
-    return evaluate_contacts(
+    contacts = evaluate_contacts(
         p, start, 1, (pair, NONE), (NONE, NONE), np.full(4, RADIUS), np.full(4, RADIUS), np.full(4, 2e-4),
-        law(friction), law(friction), slip,
+        law(friction), law(friction),
     )  # fmt: skip
+    return rubbed(contacts, friction_at_start(contacts, slip))
 
 
 def test_pressure_is_continuous_and_grows_without_limit() -> None:
@@ -127,7 +132,7 @@ def test_pressure_is_continuous_and_grows_without_limit() -> None:
 
 
 @pytest.mark.parametrize("slid", [1e-6, 3e-4, 0.999e-3, 1.001e-3, 5e-3])
-def test_friction_is_the_derivative_of_its_energy_and_obeys_coulomb(slid: float) -> None:
+def test_friction_obeys_coulomb(slid: float) -> None:
     gap, friction, slip = 0.006, 0.4, 1e-3
     way = np.array([0.6, -0.8])
     contacts = vertex_over_face(gap, slid * way, friction)
@@ -136,12 +141,32 @@ def test_friction_is_the_derivative_of_its_energy_and_obeys_coulomb(slid: float)
     assert pull @ way == pytest.approx(-np.linalg.norm(pull))
     share = 1.0 if slid >= slip else slid / slip * (2.0 - slid / slip)
     assert np.linalg.norm(pull) == pytest.approx(friction * normal * share, rel=1e-9)
-    size = 1e-8
-    rise = (
-        vertex_over_face(gap, (slid + size) * way, friction).energy
-        - vertex_over_face(gap, (slid - size) * way, friction).energy
-    )
-    assert np.linalg.norm(pull) == pytest.approx(rise / (2 * size), rel=1e-4)
+
+
+@pytest.mark.parametrize("drive", [0.3, 0.99, 1.01, 3.0])
+@pytest.mark.parametrize("weight", [1e-3, 1.0])
+def test_friction_of_one_pair_is_that_of_its_own_step(drive: float, weight: float) -> None:
+    """Solve a vertex on a face by itself, again and again: it ends where Coulomb's law puts it.
+
+    However hard it is pushed out at the start, it rubs with the force that its weight [N] brings about.
+    """
+    friction, slip, inertia = 0.4, 1e-3, np.array([50.0])
+    contacts = vertex_over_face(0.0095, np.zeros(2), 0.0)
+    contacts = replace(contacts, friction=np.array([friction]))
+    opened = (contacts.push[0] - weight) / contacts.hard[0]
+    pull = np.array([drive * friction * weight, inertia[0] * opened - weight, 0.0])
+    known = friction_at_start(contacts, slip)
+    for _ in range(60):
+        now = rubbed(contacts, known)
+        move = np.linalg.solve(inertia[0] * np.eye(3) + now.stiffness[0], pull + now.force[0])
+        known = friction_after(contacts, known, move[None], inertia, slip)
+    assert known.load[0] == pytest.approx(weight, rel=1e-6)
+    rubs = float(known.grip[0] * move[0])
+    stuck = drive * friction * weight
+    slides = inertia[0] * move[0] + rubs
+    assert slides == pytest.approx(stuck, rel=1e-6)
+    share = 1.0 if move[0] >= slip else move[0] / slip * (2.0 - move[0] / slip)
+    assert rubs == pytest.approx(friction * weight * share, rel=1e-3)
 
 
 def incline(

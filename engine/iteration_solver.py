@@ -1,0 +1,110 @@
+"""The linear systems of one Newton iteration: solved until friction fits the solution."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toile.engine.cg import CgResult, solve
+from toile.engine.forces.contact import Contacts
+from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
+from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
+from toile.engine.preconditioner.base import Preconditioner
+from toile.engine.preconditioner.choice import make_preconditioner
+from toile.engine.step_request import StageClock, StepRequest
+from toile.geometry.arrays import Bool, Float
+
+RUBBINGS, RUBBED = 3, 0.1
+"""How often friction is worked out anew in one iteration, while it changes by more than that share."""
+
+
+class Iteration(NamedTuple):
+    """What the linear systems of one Newton iteration have in common.
+
+    Attributes
+    ----------
+    request
+        The step.
+    positions
+        Nodes [m], shape (n, 3).
+    blocks
+        Assembled Hessians of the elements [N/m].
+    gradient
+        Gradient of the step's energy without contacts [N], shape (n, 3).
+    node_diagonal
+        Mass over the square of the time step [N/m], shape (n,).
+    stencils
+        Holds and the like.
+    pinned, pin_move
+        Pinned nodes, shape (n,), or None; how far they move [m], shape (n, 3), or None.
+    """
+
+    request: StepRequest
+    positions: Float
+    blocks: Float
+    gradient: Float
+    node_diagonal: Float
+    stencils: list[ContactStencils]
+    pinned: Bool | None
+    pin_move: Float | None
+
+
+class IterationSolver:
+    """Solves iterations on one topology."""
+
+    def __init__(self, system: LinearSystem) -> None:
+        self.system = system
+        self.preconditioner: Preconditioner = make_preconditioner(system)
+
+    def solve(
+        self, iteration: Iteration, contacts: Contacts | None, slip: float, clock: StageClock
+    ) -> tuple[CgResult, Contacts | None]:
+        """Return the solution, and the contacts that hold in it, with their friction.
+
+        `slip` is the elastic slip of friction [m]; time is booked on `clock`.
+        """
+        if contacts is None:
+            return self._solved(iteration, None, clock), None
+        friction = friction_at_start(contacts, slip)
+        if not iteration.request.friction:
+            friction = friction._replace(grip=np.zeros(contacts.count))
+        rubbing = rubbed(contacts, friction)
+        result = self._solved(iteration, rubbing, clock)
+        iterations = result.iterations
+        inertia = iteration.node_diagonal
+        if iteration.pinned is not None:
+            inertia = np.where(iteration.pinned, np.inf, inertia)
+        for _ in range(RUBBINGS if iteration.request.friction else 0):
+            after = friction_after(contacts, friction, result.solution, inertia, slip)
+            if not after.differs(friction, RUBBED):
+                break
+            friction = after
+            rubbing = rubbed(contacts, friction)
+            result = self._solved(iteration, rubbing, clock, result.solution)
+            iterations += result.iterations
+        return result._replace(iterations=iterations), rubbing
+
+    def _solved(
+        self, iteration: Iteration, contacts: Contacts | None, clock: StageClock, start: Float | None = None
+    ) -> CgResult:
+        """Solve one linear system, from a first guess [m], shape (n, 3)."""
+        now = clock.now()
+        request, stencils = iteration.request, iteration.stencils
+        gradient = iteration.gradient.copy()
+        if contacts is not None:
+            contacts.add_gradient(gradient)
+            stencils = [ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness), *stencils]
+        pull = self.system.update(
+            iteration.blocks, iteration.node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
+            pinned=iteration.pinned, bending_scale=request.bending_factor, pin_move=iteration.pin_move,
+        )  # fmt: skip
+        if pull is not None:
+            gradient += pull
+        if start is None:
+            self.preconditioner.update(self.system, iteration.positions)
+        now = clock.add("assembly", now)
+        result = solve(
+            self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
+            max_iterations=request.cg_iterations, start=start,
+        )  # fmt: skip
+        clock.add("solve", now)
+        return result
