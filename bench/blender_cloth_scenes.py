@@ -91,7 +91,7 @@ def make_scene(name: str, side: int) -> Scene:
 
 def toile_plan() -> FilmPlan:
     """The plan of toile's own benchmark scenes, in a vacuum."""
-    plan = replace(film_plan(FABRIC), frame_seconds=FRAME_SECONDS, longest_step=FRAME_SECONDS / STEPS)
+    plan = replace(film_plan(), frame_seconds=FRAME_SECONDS, longest_step=FRAME_SECONDS / STEPS)
     assert plan.step.self_contact and plan.step.air is None
     return plan
 

@@ -24,6 +24,7 @@ from toile.dress.layer_order import flared_outside
 from toile.dress.measure import measured
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
 from toile.engine.cloth import Cloth
+from toile.engine.contact_pairs import BODY
 from toile.engine.drape import Drape
 from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
@@ -113,22 +114,18 @@ def drape(
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
     """Turn options into the engine's numbers."""
-    thickest = max(fabric.thickness for fabric in fabrics)
-    on_body = (
-        max(fabric.friction_body for fabric in fabrics) if options.friction is None else options.friction
-    )
+    friction = dict(options.friction_between)
+    if options.friction is not None:
+        friction = {frozenset((fabric.name, BODY)): options.friction for fabric in fabrics} | friction
     return DrapePlan(
         step=StepOptions(
             gravity=options.gravity,
-            radius_body=max(BODY_RADIUS, thickest),
-            radius_self=max(SELF_RADIUS, thickest),
+            radius_body=BODY_RADIUS,
+            radius_self=SELF_RADIUS,
             growth_radius=GROWTH_RADIUS,
-            law_body=ContactLaw(stiffness=CONTACT_STIFFNESS, friction=on_body, edge_share=0.5),
-            law_self=ContactLaw(
-                stiffness=CONTACT_STIFFNESS,
-                friction=max(fabric.friction_self for fabric in fabrics),
-                edge_share=1.0,
-            ),
+            law_body=ContactLaw(stiffness=CONTACT_STIFFNESS, edge_share=0.5),
+            law_self=ContactLaw(stiffness=CONTACT_STIFFNESS, edge_share=1.0),
+            friction=friction,
             slip=SLIP,
             self_contact=not options.self_contact or any(options.self_contact),
         ),

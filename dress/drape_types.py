@@ -1,5 +1,6 @@
 """What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
@@ -32,6 +33,8 @@ class DrapeOptions:
         Downward acceleration [m/s^2].
     friction
         Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
+    friction_between
+        Coefficients of pairs of fabrics, or of a fabric and "body", by their names.
     threads
         Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
         neither results nor speed depend on it yet.
@@ -49,6 +52,7 @@ class DrapeOptions:
     sizing: SizingOptions | None = None
     gravity: float = 9.81
     friction: float | None = None
+    friction_between: Mapping[frozenset[str], float] = field(default_factory=dict)
     threads: int = 1
     pins: tuple[Int, ...] = ()
     self_contact: tuple[bool, ...] = ()

@@ -170,6 +170,7 @@ def _hang(
             sizing=sizing,
             gravity=scene.gravity,
             friction=scene.friction,
+            friction_between=_friction_between(scene, cloth_fabrics),
             threads=scene.threads,
             pins=tuple(
                 pinned_vertices(mesh, garment.pins)
@@ -211,6 +212,16 @@ def _hang(
         compile_seconds=compile_seconds,
     )
     return Hung(avatar=avatar, drape=outcome, garments=garments, report=report), compile_seconds
+
+
+def _friction_between(scene: Scene, worn: list[Fabric]) -> dict[frozenset[str], float]:
+    """Return the coefficients of named pairs, names checked against the fabrics that are worn."""
+    known = {fabric.name: fabric for fabric in worn} | {"body": worn[0]}
+    for pair in scene.friction_between:
+        for name in pair:
+            if name not in known:
+                raise InputError(f"friction_between: {unknown_name('fabric', name, known)}")
+    return {frozenset(pair): value for pair, value in scene.friction_between.items()}
 
 
 def _sizing(scene: Scene) -> SizingOptions | None:

@@ -104,6 +104,10 @@ class Scene:
         Downward acceleration [m/s^2].
     friction
         Coulomb coefficient against the avatar for all garments; None takes each fabric's.
+    friction_between
+        Coulomb coefficients of pairs, by the names of two fabrics that are worn, or of one and "body": say,
+        {("denim-12oz", "body"): 0.5}. Else each fabric has its own on the body and on itself, and two fabrics
+        have the geometric mean of theirs.
     threads
         Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
         neither the result nor the speed depends on it yet.
@@ -119,6 +123,7 @@ class Scene:
     max_frames: int | None = None
     gravity: float = 9.81
     friction: float | None = None
+    friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     threads: int = 1
 
     def __post_init__(self) -> None:
@@ -141,6 +146,10 @@ class Scene:
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
         _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
         _check_number("friction", self.friction, low=0.0, high=10.0)
+        for pair, value in self.friction_between.items():
+            if not isinstance(pair, tuple) or len(pair) != 2:
+                raise InputError(f"friction_between: a pair is two names, got {pair!r}")
+            _check_number(f"friction_between {' and '.join(map(str, pair))}", value, low=0.0, high=10.0)
         _check_number("threads", self.threads, low=1, high=1024)
 
 

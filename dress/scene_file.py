@@ -50,6 +50,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
+        "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "threads": (int, "threads to use, default 1; the result does not depend on it"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body; without it the built-in mannequin"),
@@ -146,9 +147,11 @@ class _SceneReader:
             for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "threads")
             if key in data
         }
+        pairs = self._friction_between(data.get("friction_between", []))
         try:
             return Scene(
                 garments=garments,
+                friction_between=pairs,
                 avatar=self._avatar(data.get("avatar", {})),
                 fabric=data.get("default_fabric"),
                 fabrics=own,
@@ -158,6 +161,24 @@ class _SceneReader:
         except InputError as error:
             key = next((key for key in plain if key in str(error).split("'")[0].split()), None)
             raise self._error((key,) if key else (), str(error)) from None
+
+    def _friction_between(self, entries: list[Any]) -> dict[tuple[str, str], float]:
+        """Return friction of pairs, given as lists of two names and a number."""
+        pairs = {}
+        for entry in entries:
+            if (
+                not isinstance(entry, list)
+                or [type(part) for part in entry[:2]] != [str, str]
+                or len(entry) != 3
+                or not isinstance(entry[2], NUMBER)
+            ):
+                raise self._error(
+                    ("friction_between",),
+                    f'friction_between: each entry is two fabrics (or a fabric and "body") and a number, '
+                    f"got {entry!r}",
+                )
+            pairs[entry[0], entry[1]] = entry[2]
+        return pairs
 
     def _remesh(self, values: bool | dict[str, Any], data: dict[str, Any]) -> bool | SizingOptions:
         """Return how the mesh adapts, from `remesh` and, for sizes that are missing, the quality."""

@@ -45,7 +45,7 @@ def merge(drape: DrapeState) -> None:
     late[weld[np.linalg.norm(target - stepper.x, axis=1) >= arrived]] = True
     closed = near & ~late[weld[cloth.stitches[:, 0]]]
     cloth = replace(cloth, positions=stepper.x.copy())
-    radius = float(stepper.radius_body.max()) if stepper.search is not None else 0.0
+    radius = stepper.least_body_radius if stepper.search is not None else 0.0
     while closed.any():
         drape.restart(cloth.merged(closed))
         drape.stepper.set_body_radius(radius)

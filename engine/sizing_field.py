@@ -53,7 +53,7 @@ NEAR = 5.0
 def _near_avatar(stepper: ClothStepper) -> Float:
     """Metric of faces near the avatar, by how their height above it changes; zero elsewhere."""
     assert stepper.avatar is not None
-    radius = stepper.options.radius_body
+    radius = float(stepper.radius_body.max())
     height = heights_above(stepper.avatar, stepper.x, NEAR * radius)
     near = np.asarray(np.isfinite(height)[stepper.faces].all(axis=1))
     height = np.maximum(np.where(np.isfinite(height), height, 0.0), radius)

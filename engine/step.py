@@ -14,6 +14,7 @@ from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.shrunken import vertex_normals
 from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
 from toile.engine.cloth import Cloth
+from toile.engine.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact import NO_MOTION, Contacts, evaluate_contacts
 from toile.engine.forces.hold import Holds, SewingHolds
@@ -100,21 +101,26 @@ class ClothStepper:
         self.blocks = self.pattern.zeros()
         weld = cloth.weld
         self.search: ContactSearch | None = None
+        self.thickness = node_thickness(cloth)
         if avatar is not None or options.self_contact:
             self.search = ContactSearch(
                 faces,
                 weld,
                 avatar,
                 self_contact=options.self_contact,
-                radius_self=options.radius_self,
+                radius_self=max(options.radius_self, float(self.thickness.max())),
                 radius_body=options.radius_body,
             )
             others = 0 if avatar is None else len(avatar.vertices)
+            self.pair_friction = pair_friction(cloth, others, options.friction)
             self.area = np.concatenate(
                 [cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area]
             )
-            self.radius_body = np.full(len(self.x) + others, options.radius_body)
-            self.radius_self = np.minimum(options.radius_self, 0.4 * cloth.shortest_edge)
+            self.radius_body = np.empty(len(self.x) + others)
+            self.set_body_radius(options.radius_body)
+            self.radius_self = np.minimum(
+                np.maximum(options.radius_self, self.thickness), 0.4 * cloth.shortest_edge
+            )
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(len(self.x))
         self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
@@ -146,7 +152,7 @@ class ClothStepper:
         return evaluate_contacts(
             self.search.positions, self.anchor, len(self.x), self.search.body, self.search.cloth,
             self.radius_body, self.radius_self_all(), self.area, self.options.law_body, self.options.law_self,
-            moving,
+            self.pair_friction, moving,
         )  # fmt: skip
 
     def radius_self_all(self) -> Float:
@@ -356,10 +362,15 @@ class ClothStepper:
             )
 
     def set_body_radius(self, radius: float) -> None:
-        """Set the contact radius against the avatar [m]."""
-        self.radius_body[:] = radius
-        if self.search is not None and self.search.radius_body != radius:
-            self.search.radius_body = radius
+        """Set the least contact radius against the avatar [m]; thicker fabrics keep their thickness away."""
+        if self.search is None:
+            return
+        self.least_body_radius = radius
+        self.radius_body[: len(self.x)] = np.maximum(radius, self.thickness)
+        most = float(self.radius_body[: len(self.x)].max())
+        self.radius_body[len(self.x) :] = most
+        if self.search.radius_body != most:
+            self.search.radius_body = most
             self.search.expire()
 
     def safe_move(self, wanted: Float) -> Float:

@@ -1,6 +1,6 @@
 """What a step is asked to do and what it did."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from time import perf_counter
 
@@ -20,9 +20,11 @@ class StepOptions:
     gravity
         Downward acceleration [m/s^2].
     radius_body, radius_self
-        Contact radius against the avatar and within the cloth [m].
+        Contact radius against the avatar and within the cloth [m], at least: thicker fabrics have more.
     law_body, law_self
         Contact laws against the avatar and within the cloth.
+    friction
+        Coulomb coefficients of named pairs, where they are not those of the fabrics: see `pair_friction`.
     growth_radius
         Contact radius against the avatar while it grows [m]: the farther the cloth keeps ahead of the
         growing body, the faster the body may grow.
@@ -43,6 +45,7 @@ class StepOptions:
     slip: float
     self_contact: bool
     air: AirFlow | None = None
+    friction: Mapping[frozenset[str], float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

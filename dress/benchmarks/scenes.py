@@ -53,7 +53,7 @@ def sphere(edge: float) -> BenchmarkScene:
     height = SPHERE_RADIUS + DROP
     positions = np.column_stack((flat[:, 0] - 0.5, np.full(len(flat), height), 0.5 - flat[:, 1]))
     cloth = sheet(flat, faces, positions, np.zeros(len(flat), bool))
-    return BenchmarkScene(cloth, avatar, film_plan(cloth.fabrics[0]), 2.0)
+    return BenchmarkScene(cloth, avatar, film_plan(), 2.0)
 
 
 def flag(edge: float) -> BenchmarkScene:
@@ -70,7 +70,7 @@ def flag(edge: float) -> BenchmarkScene:
     angle = np.radians(5.0)
     wind = (FLAG_WIND * float(np.cos(angle)), 0.0, FLAG_WIND * float(np.sin(angle)))
     air = AirFlow(velocity=wind, resistance=_resistance(FLAG_WIND))
-    plan = replace(film_plan(cloth.fabrics[0], air), remesh_frames=8)
+    plan = replace(film_plan(air), remesh_frames=8)
     return BenchmarkScene(cloth, None, plan, 2.0)
 
 
@@ -85,21 +85,21 @@ def hang(edge: float) -> BenchmarkScene:
     corner = (flat[:, 1] > 1.0 - 1e-9) & ((flat[:, 0] < 1e-9) | (flat[:, 0] > 1.0 - 1e-9))
     cloth = sheet(flat, faces, positions, corner)
     air = AirFlow(velocity=(0.0, 0.0, 0.0), resistance=_resistance(1.0))
-    plan = replace(film_plan(cloth.fabrics[0], air), remesh_frames=3)
+    plan = replace(film_plan(air), remesh_frames=3)
     return BenchmarkScene(cloth, None, plan, 2.0)
 
 
 SCENES = {"sphere": sphere, "flag": flag, "hang": hang}
 
 
-def film_plan(material: Fabric, air: AirFlow | None = None) -> FilmPlan:
-    """Return the plan of a film of cloth of one fabric, with self-contact."""
+def film_plan(air: AirFlow | None = None) -> FilmPlan:
+    """Return the plan of a film of cloth with self-contact."""
     stiffness = 2e6
     return FilmPlan(
         step=StepOptions(
             gravity=GRAVITY, radius_body=0.002, radius_self=0.001, growth_radius=0.002, slip=1e-3,
-            law_body=ContactLaw(stiffness=stiffness, friction=material.friction_body, edge_share=0.5),
-            law_self=ContactLaw(stiffness=stiffness, friction=material.friction_self, edge_share=1.0),
+            law_body=ContactLaw(stiffness=stiffness, edge_share=0.5),
+            law_self=ContactLaw(stiffness=stiffness, edge_share=1.0),
             self_contact=True, air=air,
         )
     )  # fmt: skip

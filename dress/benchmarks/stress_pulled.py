@@ -111,7 +111,7 @@ def _pulled(cloth: Cloth, edge: float, frames: Float, limit: float) -> StressSce
     """Make a scene of a cloth whose pinned nodes, in order, follow `frames` [m], shape (k, pins, 3)."""
     motion = VertexMotion(frames=frames, fps=FPS)
     plan = replace(
-        film_plan(cloth.fabrics[0]), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
+        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE,
     )  # fmt: skip
     return StressScene(

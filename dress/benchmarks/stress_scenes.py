@@ -50,7 +50,7 @@ def twenty_layers() -> StressScene:
     all_faces = np.concatenate([faces + len(flat) * layer for layer in range(count)]).astype(np.int32)
     cloth = sheet(np.tile(flat, (count, 1)), all_faces, positions, np.zeros(len(positions), bool))
     ball, ball_faces = _ball(0.12)
-    plan = film_plan(cloth.fabrics[0])
+    plan = film_plan()
     return StressScene(cloth=cloth, edge=0.03, plan=plan, seconds=1.0, avatar=(ball, ball_faces), limit=300.0)
 
 
@@ -80,9 +80,7 @@ def self_crossing() -> StressScene:
 def stiff_canvas() -> StressScene:
     """Let canvas swing down from one edge in steps of 1/24 s."""
     cloth, edge = _hanging(0.04, level=True, material=fabric("canvas"))
-    plan = replace(
-        film_plan(cloth.fabrics[0]), longest_step=1.0 / 24.0, frame_seconds=1.0 / 24.0, motion_max=1.0
-    )
+    plan = replace(film_plan(), longest_step=1.0 / 24.0, frame_seconds=1.0 / 24.0, motion_max=1.0)
     return StressScene(cloth=cloth, edge=edge, plan=plan, seconds=1.5)
 
 
@@ -118,9 +116,7 @@ def slivers() -> StressScene:
     positions = np.column_stack((flat[:, 0] - 0.35, np.full(len(flat), 0.2), 0.35 - flat[:, 1]))
     cloth = sheet(flat, np.ascontiguousarray(faces, np.int32), positions, np.zeros(len(flat), bool))
     ball, ball_faces = _ball(0.15)
-    return StressScene(
-        cloth=cloth, edge=0.05, plan=film_plan(cloth.fabrics[0]), seconds=1.0, avatar=(ball, ball_faces)
-    )
+    return StressScene(cloth=cloth, edge=0.05, plan=film_plan(), seconds=1.0, avatar=(ball, ball_faces))
 
 
 def teleport() -> StressScene:
@@ -187,16 +183,14 @@ def _still(cloth: Cloth, edge: float, obstacle: trimesh.Trimesh, seconds: float)
         np.ascontiguousarray(obstacle.vertices, np.float64),
         np.ascontiguousarray(obstacle.faces, np.int32),
     )
-    return StressScene(
-        cloth=cloth, edge=edge, plan=film_plan(cloth.fabrics[0]), seconds=seconds, avatar=avatar
-    )
+    return StressScene(cloth=cloth, edge=edge, plan=film_plan(), seconds=seconds, avatar=avatar)
 
 
 def _weighed(areal_density: float) -> StressScene:
     material = replace(fabric("cotton-poplin"), areal_density=areal_density)
     ball, faces = _ball(0.15)
     cloth = _level(0.7, 0.035, height=0.2, material=material)
-    return StressScene(cloth=cloth, edge=0.035, plan=film_plan(material), seconds=1.5, avatar=(ball, faces))
+    return StressScene(cloth=cloth, edge=0.035, plan=film_plan(), seconds=1.5, avatar=(ball, faces))
 
 
 def _moving(cloth: Cloth, edge: float, vertices: Float, faces: Int, places: Float) -> StressScene:
@@ -208,7 +202,7 @@ def _film(cloth: Cloth, edge: float, frames: Float, faces: Int) -> StressScene:
     """Make a scene of a body in motion, `frames` [m] of shape (k, v, 3)."""
     motion = VertexMotion(frames=frames, fps=FPS)
     plan = replace(
-        film_plan(cloth.fabrics[0]), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
+        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE,
     )  # fmt: skip
     return StressScene(

@@ -14,6 +14,7 @@ pushed and dragged within the same linear solve.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
@@ -132,12 +133,12 @@ def _slides_past(p, ahead, kind, i, j, k, m, x, y, z, gap, four):  # type: ignor
 @kernel(
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64, F64_2,
-        types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
+        types.boolean, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
         OUT_F64_1, OUT_I32_2, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
-    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, radius_share, ahead, begin,
+    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, radius_share, ahead, halves, begin,
     nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy,
 ):  # fmt: skip
     """Append the active pairs of one list from row `begin`; return the new row count."""
@@ -149,7 +150,13 @@ def _evaluate(  # type: ignore[no-untyped-def]
         j = pairs[row, 1]
         k = pairs[row, 2]
         m = pairs[row, 3]
-        r = min(radius[i], radius[j], radius[k], radius[m]) * radius_share
+        r = radius[i]
+        other = min(radius[k], radius[m])
+        if kind == 0:
+            other = min(other, radius[j])
+        else:
+            r = min(r, radius[j])
+        r = radius_share * (0.5 * (r + other) if halves else min(r, other))
         w[0], w[1], w[2], w[3] = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, w[0], w[1], w[2], w[3])
         d = length(x, y, z)
@@ -237,22 +244,39 @@ class ContactLaw:
     ----------
     stiffness
         Pressure per depth [Pa/m].
-    friction
-        Coulomb coefficient.
     edge_share
         Contact radius of edge-edge pairs as a share of the vertex-face radius: on smooth surfaces
         vertices carry the load, and edges only need to take over where the surface is sharp.
     """
 
     stiffness: float
-    friction: float
     edge_share: float
+
+
+class PairFriction(NamedTuple):
+    """Coulomb coefficients between materials.
+
+    Attributes
+    ----------
+    material
+        Material of every vertex, shape (n,).
+    table
+        Coefficient of two materials, shape (m, m), symmetric.
+    """
+
+    material: Int
+    table: Float
+
+    def of(self, vertices: Int) -> Float:
+        """Coefficients of pairs of four vertices, shape (c, 4): the first and third are of its two sides."""
+        sides = self.material[vertices[:, [0, 2]]]
+        return np.asarray(self.table[sides[:, 0], sides[:, 1]])
 
 
 def evaluate_contacts(
     p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
     radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
-    ahead: Float = NO_MOTION,
+    pair_friction: PairFriction, ahead: Float = NO_MOTION,
 ) -> Contacts:  # fmt: skip
     """Evaluate all candidate pairs at positions p, without friction.
 
@@ -263,9 +287,12 @@ def evaluate_contacts(
     body, cloth
         (vertex-face, edge-edge) candidates against the avatar and within the cloth.
     radius_body, radius_self
-        Contact radius per vertex [m], shape (n,); a pair uses its smallest.
+        Contact radius per vertex [m], shape (n,). Against the avatar a pair uses its smallest; within the
+        cloth each side gives half of its smallest.
     area
         Area per vertex [m^2], shape (n,).
+    pair_friction
+        Coulomb coefficients.
     ahead
         Motion to come [m], shape (n, 3): pairs that it would bring closer than the radius are contacts
         already. Without it only pairs within the radius are. That of avatar vertices is certain: gap and slip
@@ -274,26 +301,24 @@ def evaluate_contacts(
     capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
     nodes, vertices = np.empty((capacity, 4), np.int32), np.empty((capacity, 4), np.int32)
     weights, normal, slid = np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty((capacity, 3))
-    push, hard, gap, friction = (np.empty(capacity) for _ in range(4))
+    push, hard, gap = (np.empty(capacity) for _ in range(3))
     energy = np.zeros(1)
     count = 0
     touching_body = 0
     for pairs_of, radius, law in ((body, radius_body, law_body), (cloth, radius_self, law_self)):
-        before = count
         for kind in (0, 1):
             if len(pairs_of[kind]):
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, share, ahead,
-                    count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
+                    pairs_of is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
                 )  # fmt: skip
-        friction[before:count] = law.friction
         if pairs_of is body:
             touching_body = count
     normal, push, hard = normal[:count], push[:count], hard[:count]
     return Contacts(
         nodes=nodes[:count], weights=weights[:count], normal=normal, push=push, hard=hard, slid=slid[:count],
-        friction=friction[:count], force=push[:, None] * normal,
+        friction=pair_friction.of(vertices[:count]), force=push[:, None] * normal,
         stiffness=hard[:, None, None] * (normal[:, :, None] * normal[:, None, :]), gap=gap[:count],
         vertices=vertices[:count], body=touching_body, energy=float(energy[0]),
     )  # fmt: skip

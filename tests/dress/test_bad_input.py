@@ -204,6 +204,13 @@ def test_pattern_in_wrong_units(refused: Refused) -> None:
     assert "bad_specification.json: the largest panel measures 0.283 cm" in error
 
 
+def test_friction_of_a_fabric_that_nobody_wears(refused: Refused) -> None:
+    scene = 'friction_between = [["denim-12oz", "body", 0.4]]\n[[garment]]\nsource = "tube.obj"\n'
+    Path("scene.toml").write_text(scene)
+    error = refused("scene.toml")
+    assert "friction_between: unknown fabric 'denim-12oz'; known are: cotton-poplin, body" in error
+
+
 def test_unknown_fabric_suggests_the_nearest(refused: Refused) -> None:
     error = refused("--garment", "tube.obj", "--fabric", "denm")
     assert "unknown fabric 'denm'; did you mean 'denim-12oz'?" in error

@@ -15,6 +15,7 @@ max_frames = 50
 gravity = 1.62
 friction = 0.5
 threads = 2
+friction_between = [["my denim", "body", 0.6], ["canvas", "my denim", 0.2]]
 default_fabric = "canvas"
 
 [avatar]
@@ -49,6 +50,7 @@ def test_every_key_arrives(tmp_path: Path) -> None:
     scene = load_scene(write(tmp_path, FULL))
     assert (scene.quality, scene.edge_length, scene.max_frames) == ("preview", 0.02, 50)
     assert (scene.gravity, scene.friction, scene.threads, scene.fabric) == (1.62, 0.5, 2, "canvas")
+    assert scene.friction_between == {("my denim", "body"): 0.6, ("canvas", "my denim"): 0.2}
     assert scene.avatar == AvatarFile(path=tmp_path / "bodies/eve.obj", units="cm", up="z")
     shirt, skirt = scene.garments
     assert (shirt.source, shirt.name, shirt.fabric, shirt.self_contact) == (
@@ -88,6 +90,8 @@ GARMENT = '[[garment]]\nsource = "tshirt"\n'
         (GARMENT + 'self_contact = "no"\n', "line 3: self_contact must be true or false, got 'no'"),
         ("threads = true\n" + GARMENT, "line 1: threads must be a whole number"),
         ('fabric = "canvas"\n' + GARMENT, "line 1: .*default_fabric = 'canvas'"),
+        ('friction_between = [["denim", 0.5]]\n' + GARMENT, "line 1: friction_between: each entry is two"),
+        ('friction_between = [["a", "b", 11]]\n' + GARMENT, "friction_between a and b must lie between"),
         ('quality = "hight"\n' + GARMENT, "line 1: unknown quality 'hight'; known are: preview"),
         ("edge_length = -1\n" + GARMENT, "line 1: edge_length must lie between"),
         ("[[garment]]\nname = 'a'\n", r"line 1: a \[\[garment\]\] needs a source"),

@@ -9,7 +9,7 @@ from tests.collide.surfaces import crumpled, sheet, stacked
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
-from toile.engine.forces.contact import ContactLaw, Contacts, evaluate_contacts
+from toile.engine.forces.contact import ContactLaw, Contacts, PairFriction, evaluate_contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepOptions, StepRequest
@@ -20,8 +20,12 @@ GRAVITY = 9.81
 NONE = np.empty((0, 4), np.int32)
 
 
-def law(friction: float = 0.0, edge_share: float = 1.0) -> ContactLaw:
-    return ContactLaw(stiffness=1e6, friction=friction, edge_share=edge_share)
+def law(edge_share: float = 1.0) -> ContactLaw:
+    return ContactLaw(stiffness=1e6, edge_share=edge_share)
+
+
+def rubbing(count: int, friction: float) -> PairFriction:
+    return PairFriction(np.zeros(count, np.int32), np.full((1, 1), friction))
 
 
 class Scene:
@@ -40,11 +44,14 @@ class Scene:
         self.body, self.cloth, self.p = search.body, search.cloth, search.positions.copy()
         self.radius = generator.uniform(0.5, 1.0, size=len(self.p)) * RADIUS
 
-    def evaluate(self, p: Float, start: Float, law_: ContactLaw, slip: float = 1e-3) -> Contacts:
+    def evaluate(
+        self, p: Float, start: Float, law_: ContactLaw, friction: float = 0.0, slip: float = 1e-3
+    ) -> Contacts:
         area = np.full(len(p), 4e-4)
         contacts = evaluate_contacts(
-            p, start, self.count, self.body, self.cloth, self.radius, self.radius, area, law_, law_
-        )
+            p, start, self.count, self.body, self.cloth, self.radius, self.radius, area, law_, law_,
+            rubbing(len(p), friction),
+        )  # fmt: skip
         return rubbed(contacts, friction_at_start(contacts, slip))
 
 
@@ -86,7 +93,7 @@ def test_cloth_on_cloth_forces_cancel(seed: int) -> None:
     generator = np.random.default_rng(seed)
     start = scene.p - 1e-3 * generator.normal(size=scene.p.shape)
     scene.body = (NONE, NONE)
-    contacts = scene.evaluate(scene.p, start, law(friction=0.4))
+    contacts = scene.evaluate(scene.p, start, law(), 0.4)
     force = forces_on_nodes(contacts, scene.count)
     assert contacts.count > 10
     assert force.sum(axis=0) == pytest.approx(0.0, abs=1e-12 * np.abs(force).sum())
@@ -100,7 +107,7 @@ def test_cloth_on_cloth_forces_cancel(seed: int) -> None:
 def test_stiffness_is_symmetric_and_never_negative(slide: float) -> None:
     scene = Scene(1)
     start = scene.p - slide * np.random.default_rng(3).normal(size=scene.p.shape)
-    contacts = scene.evaluate(scene.p, start, law(friction=0.5))
+    contacts = scene.evaluate(scene.p, start, law(), 0.5)
     assert np.array_equal(contacts.stiffness, contacts.stiffness.swapaxes(1, 2))
     values = np.linalg.eigvalsh(contacts.stiffness)
     assert (values[:, 0] >= -1e-12 * values[:, 2]).all() and (values[:, 2] > 0).all()
@@ -114,7 +121,7 @@ def vertex_over_face(gap: float, slid: Float, friction: float, slip: float = 1e-
     pair = np.array([[0, 1, 2, 3]], np.int32)
     contacts = evaluate_contacts(
         p, start, 1, (pair, NONE), (NONE, NONE), np.full(4, RADIUS), np.full(4, RADIUS), np.full(4, 2e-4),
-        law(friction), law(friction),
+        law(), law(), rubbing(4, friction),
     )  # fmt: skip
     return rubbed(contacts, friction_at_start(contacts, slip))
 
@@ -183,14 +190,14 @@ def incline(
     rest = np.ascontiguousarray(points[:, [0, 2]][faces])
     faces, rest = _facing(faces, rest)
     options = StepOptions(
-        gravity=GRAVITY, radius_body=0.002, radius_self=0.002, law_body=law(friction), law_self=law(friction),
+        gravity=GRAVITY, radius_body=0.002, radius_self=0.002, law_body=law(), law_self=law(),
         growth_radius=0.002, slip=2e-5, self_contact=False,
     )  # fmt: skip
     area_load = 0.2 * GRAVITY * np.cos(angle)
     # Start where the pressure carries the weight: kappa (r - d) times both sides' share of area.
     height = 0.002 - area_load / options.law_body.stiffness
     placed = np.ascontiguousarray((points + np.array([0.0, height, 0.0])) @ tilt)
-    cloth = _square(placed, faces, rest)
+    cloth = _square(placed, faces, rest, friction)
     stepper = ClothStepper(
         cloth, AvatarSurface(np.ascontiguousarray(ground), ground_faces), options, StageClock()
     )
@@ -212,10 +219,10 @@ def _facing(faces: Int, rest: Float) -> tuple[Int, Float]:
     return np.ascontiguousarray(faces), np.ascontiguousarray(rest)
 
 
-def _square(positions: Float, faces: Int, rest: Float) -> Cloth:
+def _square(positions: Float, faces: Int, rest: Float, friction: float) -> Cloth:
     fabric = Fabric(
         name="board", areal_density=0.2, thickness=0.001, bending_warp=1e-3, bending_weft=1e-3,
-        bending_bias=1e-3, stretch_warp=5000.0, stretch_weft=5000.0, shear=2000.0,
+        bending_bias=1e-3, stretch_warp=5000.0, stretch_weft=5000.0, shear=2000.0, friction_body=friction,
     )  # fmt: skip
     count = len(positions)
     no_nodes, first = np.empty(0, np.int32), np.zeros(len(faces), np.int32)

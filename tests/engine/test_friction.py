@@ -29,8 +29,8 @@ GAP = 0.002
 FPS = 30.0
 
 
-def plan(material: Fabric, solver: dict[str, float]) -> FilmPlan:
-    usual = film_plan(material)
+def plan(solver: dict[str, float]) -> FilmPlan:
+    usual = film_plan()
     return replace(usual, step=replace(usual.step, self_contact=False), **solver)  # type: ignore[arg-type]
 
 
@@ -48,7 +48,7 @@ def incline(
     ground, ground_faces = ground_grid(42, 0.05)
     ground = np.ascontiguousarray((ground - ground.mean(axis=0)) @ tilt)
     material = replace(fabric("cotton-poplin"), friction_body=friction)
-    film = plan(material, solver)
+    film = plan(solver)
     # Where the pressure carries the weight.
     height = GAP - material.areal_density * GRAVITY * np.cos(angle) / film.step.law_body.stiffness
     flat, faces = rectangle(0.3, 0.3, 0.03)
@@ -84,7 +84,7 @@ def test_cloth_sticks_on_a_slope_just_below_the_friction_limit(friction: float) 
     times, distances, _ = incline(friction, 0.97, 1.5)
     creep = (distances[-1] - distances[-9]) / (times[-1] - times[-9])
     assert np.abs(creep).max() < 1e-4
-    slip = film_plan(fabric("cotton-poplin")).step.slip
+    slip = film_plan().step.slip
     assert 0.0 < distances.max() < slip / (3.0 * 0.03)
 
 
@@ -126,7 +126,7 @@ def drum() -> tuple[Float, Int]:
     return np.ascontiguousarray(mesh.vertices, np.float64), np.ascontiguousarray(mesh.faces, np.int32)
 
 
-def belt(wrap: float, first: float | None, last: float) -> Cloth:
+def belt(wrap: float, first: float | None, last: float, friction: float) -> Cloth:
     """A strip that comes straight to the drum, goes around it by `wrap` and hangs down on its far side.
 
     `first` and `last` are the masses at its ends [kg]; without one the first end is pinned.
@@ -145,14 +145,15 @@ def belt(wrap: float, first: float | None, last: float) -> Cloth:
         )
     )
     pinned = (flat[:, 0] < 1e-9) & (first is None)
-    cloth = sheet(flat, faces, positions, pinned, BELT)
-    fabrics, index = [BELT], np.zeros(len(faces), np.int32)
+    material = replace(BELT, friction_body=friction)
+    cloth = sheet(flat, faces, positions, pinned, material)
+    fabrics, index = [material], np.zeros(len(faces), np.int32)
     corners = flat[faces][:, :, 0]
     ends = (corners.max(axis=1) < 2.5 * EDGE, corners.min(axis=1) > length - 2.5 * EDGE)
     for weight, end in zip((first, last), ends, strict=True):
         if weight is not None:
             index[end] = len(fabrics)
-            fabrics.append(replace(BELT, areal_density=weight / cloth.rest_area[end].sum()))
+            fabrics.append(replace(material, areal_density=weight / cloth.rest_area[end].sum()))
     return replace(cloth, fabrics=tuple(fabrics), fabric=index)
 
 
@@ -183,9 +184,9 @@ def test_a_turning_drum_pulls_a_belt_as_eulers_formula_says(degrees: int, toward
         pulls.append(pull_at_the_pins(run))
         return True
 
-    film = plan(replace(BELT, friction_body=friction), CONVERGED)
+    film = plan(CONVERGED)
     motion = VertexMotion(frames=np.stack(poses), fps=FPS)
-    run = Simulation(belt(wrap, None, WEIGHT), (motion.pose(0), faces), film, measure, motion)
+    run = Simulation(belt(wrap, None, WEIGHT, friction), (motion.pose(0), faces), film, measure, motion)
     run.run(seconds)
     exact = WEIGHT * GRAVITY * np.exp(-sign * friction * wrap)
     # Corners of the drum pluck at the belt: means of 0.3 s.
@@ -198,7 +199,7 @@ def pulley(friction: float, share: float, seconds: float) -> tuple[Float, Float,
     Returns times [s], how far the heavy end went down and the light one up [m], and their masses' ratio.
     """
     ratio = share * float(np.exp(friction * np.pi))
-    cloth = belt(np.pi, WEIGHT, ratio * WEIGHT)
+    cloth = belt(np.pi, WEIGHT, ratio * WEIGHT, friction)
     light, heavy = (cloth.uv[:, 0] == end for end in (cloth.uv[:, 0].min(), cloth.uv[:, 0].max()))
     times: list[float] = []
     places: list[float] = []
@@ -209,7 +210,7 @@ def pulley(friction: float, share: float, seconds: float) -> tuple[Float, Float,
         places.append(0.5 * float(height[light].mean() - height[heavy].mean()))
         return True
 
-    film = replace(plan(replace(BELT, friction_body=friction), CONVERGED), frame_seconds=1.0 / 60.0)
+    film = replace(plan(CONVERGED), frame_seconds=1.0 / 60.0)
     Simulation(cloth, drum(), film, watch).run(seconds)
     return np.array(times), np.array(places) - places[0], ratio
 

@@ -27,7 +27,7 @@ SLACK = Fabric(
 
 
 def options(self_contact: bool = False) -> StepOptions:
-    law = ContactLaw(stiffness=1e6, friction=0.3, edge_share=1.0)
+    law = ContactLaw(stiffness=1e6, edge_share=1.0)
     return StepOptions(
         gravity=GRAVITY, radius_body=0.002, radius_self=0.001, law_body=law, law_self=law,
         growth_radius=0.006, slip=1e-3, self_contact=self_contact,

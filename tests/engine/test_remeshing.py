@@ -22,7 +22,7 @@ POPLIN = Fabric(
     name="poplin", areal_density=0.12, thickness=3e-4, bending_warp=8e-6, bending_weft=6e-6,
     bending_bias=5e-6, stretch_warp=3000.0, stretch_weft=2500.0, shear=90.0,
 )  # fmt: skip
-LAW = ContactLaw(stiffness=2e6, friction=0.3, edge_share=1.0)
+LAW = ContactLaw(stiffness=2e6, edge_share=1.0)
 OPTIONS = StepOptions(
     gravity=9.81, radius_body=0.002, radius_self=0.001, law_body=LAW, law_self=LAW, growth_radius=0.006,
     slip=1e-3, self_contact=True,
