@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numba
 import numpy as np
@@ -18,11 +19,13 @@ from toile.dress.drape_types import (
     Failure,
     FrameState,
     Status,
+    in_all,
 )
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.layer_order import flared_outside
 from toile.dress.measure import measured
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
+from toile.dress.worn import Worn, worn_together
 from toile.engine.cloth import Cloth
 from toile.engine.contact_pairs import BODY
 from toile.engine.drape import Drape
@@ -56,60 +59,107 @@ def drape(
 ) -> DrapeOutcome:
     """Drape garments on a still avatar.
 
-    `on_frame` is called after every output frame and cancels the drape by returning False.
+    Several patterns are put on one after the other, from the body outwards, each over those worn already; at
+    last they hang together. Garments that are 3-D meshes all start where they are. `on_frame` is called after
+    every output frame and cancels the drape by returning False.
 
     Raises
     ------
     InputError
         A garment starts in a way that cannot be repaired.
     """
-    started = time.perf_counter()
     numba.set_num_threads(min(options.threads, numba.config.NUMBA_NUM_THREADS))
+    layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
+    reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
+    if not layered:
+        return _put_on(avatar, garments, options, reel, [])
+    parts: list[DrapeOutcome] = []
+    for index, garment in enumerate(garments):
+        own = replace(options, pins=options.pins[index : index + 1])
+        parts.append(_put_on(avatar, [garment], own, reel, [part.cloth for part in parts]))
+        if parts[-1].gave_up or parts[-1].status == "cancelled":
+            break
+    worn = garments[: len(parts)]
+    run = Drape(
+        worn_together([part.cloth for part in parts]), (avatar.vertices, avatar.faces), [],
+        _plan(options, [fabric for _, fabric in worn]), reel.show,
+    )  # fmt: skip
+    failure = next((part.failure for part in parts if part.failure is not None), None)
+    run.record.cancelled = parts[-1].status == "cancelled"
+    if not (parts[-1].gave_up or run.record.cancelled):
+        failure = _broken_down(run, run.hang) or failure
+    else:
+        run.close_frame(0)
+    notes = tuple(note for part in parts for note in part.notes)
+    outcome = _outcome(run, worn, failure, notes)
+    return replace(
+        outcome, gave_up=parts[-1].gave_up,
+        figures=in_all([part.figures for part in parts], outcome.figures),
+    )  # fmt: skip
+
+
+class _Reel:
+    """Frames of all drapes of a scene, numbered through."""
+
+    def __init__(self, on_frame: Callable[[FrameState], bool], max_frames: int) -> None:
+        self._on_frame = on_frame
+        self._max_frames = max_frames
+        self._started = time.perf_counter()
+        self._frames = 0
+
+    def show(self, frame: Frame) -> bool:
+        state = FrameState(
+            frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
+            residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
+            max_frames=self._max_frames,
+        )  # fmt: skip
+        self._frames += 1
+        return self._on_frame(state)
+
+
+def _put_on(
+    avatar: Avatar, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: _Reel,
+    worn: list[Cloth],
+) -> DrapeOutcome:  # fmt: skip
+    """Sew garments on the avatar, over what is worn, and let them settle."""
+    clothed = Worn(avatar.vertices, avatar.faces, worn)
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
     notes: list[str] = []
-    growth = [Growth(vertices=avatar.vertices, per_step=GROWTH_PER_STEP)]
+    shapes = [(avatar.vertices, GROWTH_PER_STEP)]
     body = measured(avatar)
     drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
     if drawn is not None:
-        growth.insert(0, Growth(vertices=thin, per_step=ARMS_PER_STEP))
+        shapes.insert(0, (thin, ARMS_PER_STEP))
         thin = drawn
         notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
+    growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
+    obstacle = (clothed.on(thin), clothed.faces)
     shoulder = -np.inf if body is None else body.shoulder_point[1]
     placed = []
     for mesh, fabric in garments:
-        lifted, said = lift_over_shoulders(mesh, (thin, avatar.faces), shoulder)
+        lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
         notes += said
         layered, said = flared_outside(lifted)
         notes += said
         placed.append((layered, fabric))
-    meshes, said = clear_panels([mesh for mesh, _ in placed], (thin, avatar.faces))
+    meshes, said = clear_panels([mesh for mesh, _ in placed], obstacle)
     notes += said
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
-    plan = _plan(options, [fabric for _, fabric in garments])
+    run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
+    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes))
 
-    def relay(frame: Frame) -> bool:
-        return on_frame(
-            FrameState(
-                frame=frame.index,
-                faces=len(frame.cloth.faces),
-                contacts=frame.contacts,
-                residual=frame.rms_motion,
-                seconds=time.perf_counter() - started,
-                max_frames=options.max_frames,
-            )
-        )
 
-    run = Drape(cloth, (thin, avatar.faces), growth, plan, relay)
-    failure = None
+def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
+    """Run a drape; return what happened if its numbers broke down."""
     try:
-        run.run()
+        phases()
     except FloatingPointError as error:
-        failure = Failure(
+        return Failure(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
-    return _outcome(run, garments, failure, tuple(notes))
+    return None
 
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:

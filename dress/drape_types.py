@@ -1,7 +1,7 @@
 """What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from toile.geometry.arrays import Float, Int
@@ -139,6 +139,30 @@ class DrapeFigures:
     energy_jump_max: float
     pop: float
     stage_seconds: dict[str, float] = field(default_factory=dict)
+
+
+def in_all(parts: list[DrapeFigures], last: DrapeFigures) -> DrapeFigures:
+    """Return the figures of a drape in parts, the last one of all garments together."""
+    every = [*parts, last]
+    summed = (
+        "frames", "simulated_seconds", "steps", "newton_iterations", "cg_iterations", "remeshings", "splits",
+        "flips", "collapses",
+    )  # fmt: skip
+    most = ("contacts_max", "worst_frame_intersections", "energy_jump_max", "pop")
+    seconds: dict[str, float] = {}
+    for part in every:
+        for stage, spent in part.stage_seconds.items():
+            seconds[stage] = seconds.get(stage, 0.0) + spent
+
+    def counts(name: str) -> tuple[int, int, int]:
+        first, _, largest = (sum(getattr(part, name)[k] for part in parts) for k in range(3))
+        return first, getattr(last, name)[1], max(largest, getattr(last, name)[2])
+
+    return replace(
+        last, nodes=counts("nodes"), faces=counts("faces"), stage_seconds=seconds,
+        **{name: sum(getattr(part, name) for part in every) for name in summed},
+        **{name: max(getattr(part, name) for part in every) for name in most},
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

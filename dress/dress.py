@@ -195,7 +195,8 @@ def _hang(
         for note in outcome.notes:
             say(note)
     garments = tuple(
-        _dressed(mesh, fabric, draped) for (mesh, fabric), draped in zip(cloth, outcome.garments, strict=True)
+        _dressed(mesh, fabric, draped)
+        for (mesh, fabric), draped in zip(cloth, outcome.garments, strict=False)
     )
 
     report = drape_report(
@@ -205,7 +206,7 @@ def _hang(
         quality=quality.name,
         options=options,
         avatar=_avatar_facts(avatar),
-        garments=[_garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, cloth, strict=True)],
+        garments=[_garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, cloth, strict=False)],
         wall_seconds=time.perf_counter() - wall,
         cpu_seconds=time.process_time() - cpu,
         io_seconds=io_seconds,

@@ -54,6 +54,15 @@ class Drape(DrapeState):
             self.close_frame(0)
         return self.record
 
+    def hang(self) -> DrapeRecord:
+        """Let cloth that is sewn and in its place find equilibrium."""
+        self.phase, self.solid = "settling", True
+        self.close_frame(0)
+        settle(self)
+        if self.audited != self.record.steps:
+            self.close_frame(0)
+        return self.record
+
     def _gives_up(self, jammed: bool) -> bool:
         """Whether to end here, its seams jammed, since the caller may start again on another mesh."""
         self.record.gave_up = jammed and not self.plan.persistent and not self.over()
