@@ -19,7 +19,7 @@ TURNS = 4.0
 
 def wring() -> StressScene:
     """Wring a tube by two rings that turn against each other, four turns, and draw near."""
-    edge, radius, length = 0.02, 0.1, 0.5
+    edge, radius, length = 0.03, 0.1, 0.5
     flat, faces = rectangle(2.0 * np.pi * radius, length, edge)
     angle = flat[:, 0] / radius
     across = np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
