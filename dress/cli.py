@@ -11,7 +11,7 @@ from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
     from toile.dress.benchmarks.remesh import Row
-    from toile.dress.benchmarks.stress import StressRow
+    from toile.dress.benchmarks.stress_row import StressRow
     from toile.dress.progress import ProgressState
     from toile.dress.scene import Scene
 
@@ -336,14 +336,14 @@ def _run_bench(options: argparse.Namespace) -> int:
 
 def _run_stress(options: argparse.Namespace) -> int:
     """Run hard cases; the exit code tells whether all ended as expected."""
-    from toile.dress.benchmarks.stress import run_stress, stress_table
-    from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
+    from toile.dress.benchmarks.stress import STRESS_CASES, run_stress
+    from toile.dress.benchmarks.stress_row import stress_table
     from toile.dress.writers.atomic import writable_folder
 
-    _check_names("case", options.case, STRESS_SCENES)
+    _check_names("case", options.case, STRESS_CASES)
     pictures = None if options.pictures is None else writable_folder(options.pictures)
     rows = run_stress(
-        options.case or list(STRESS_SCENES),
+        options.case or list(STRESS_CASES),
         lambda row: _say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s"),
         pictures,
     )

@@ -122,6 +122,7 @@ def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMe
     """Return the mesh of a checked source."""
     source = garment.source
     if isinstance(source, GarmentMesh):
+        _check_pattern_coordinates(source)
         return source
     if Path(source).suffix.lower() in MESH_FORMATS:
         from toile.dress.mesh_garment import read_mesh_garment
@@ -137,6 +138,21 @@ def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMe
     from toile.dress.garmentcode import read_garmentcode
 
     return mesh_pattern(read_garmentcode(source), edge_length=edge_length)
+
+
+def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
+    """Raise InputError if the pattern coordinates of flat fabric have not the lengths of its rest shape."""
+    if not mesh.flat:
+        return
+    sides = np.roll(mesh.uv[mesh.faces], -1, axis=1) - mesh.uv[mesh.faces]
+    rest = np.roll(mesh.rest_corners, -1, axis=1) - mesh.rest_corners
+    given, wanted = np.linalg.norm(sides, axis=2), np.linalg.norm(rest, axis=2)
+    wrong = (np.abs(given - wanted) > 1e-6 * wanted.max()).any(axis=1)
+    if wrong.any():
+        raise InputError(
+            f"garment '{mesh.name}': sides of face {int(wrong.argmax())} differ in uv and rest_corners; "
+            "uv of flat fabric are its pattern coordinates in metres (or set flat=False)"
+        )
 
 
 def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:

@@ -26,6 +26,10 @@ class AvatarFile:
     up: str | None = None
     fps: float | None = None
 
+    def __post_init__(self) -> None:
+        """Accept a path that is a string."""
+        object.__setattr__(self, "path", Path(self.path))
+
 
 @dataclass(frozen=True, kw_only=True)
 class MannequinSize:

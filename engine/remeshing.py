@@ -170,8 +170,8 @@ def _with_energy(stepper: ClothStepper, start: Float, energy: float) -> Float:
 
 
 def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
-    """Return what the mesher works on: the start shape, flat or curved, is the rest space of every panel."""
-    rest = cloth.start_positions
+    """Return what the mesher works on: the rest space is that of the pattern, or the curved start shape."""
+    rest = np.where(_curved(cloth)[:, None], cloth.start_positions, np.pad(cloth.uv, ((0, 0), (0, 1))))
     sides = rest[cloth.faces[:, 1:]] - rest[cloth.faces[:, :1]]
     plane = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
     frames = np.einsum("tci,tdc->tid", sides, np.linalg.inv(plane))
@@ -193,6 +193,13 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     )
 
 
+def _curved(cloth: Cloth) -> Bool:
+    """Mark the material vertices whose rest shape is the start shape, shape (m,)."""
+    curved = np.zeros(len(cloth.uv), bool)
+    curved[cloth.faces[cloth.rest_curved].ravel()] = True
+    return curved
+
+
 def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
     """Return a cloth on its new mesh, everything that belongs to it carried along."""
 
@@ -201,6 +208,11 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         mask[nodes] = True
         return np.flatnonzero(transfer.marked_nodes(mask)).astype(np.int32)
 
+    # Coordinates of the rest space are taken as the mesher worked with them, all others are interpolated.
+    rest_curved = cloth.rest_curved[transfer.faces]
+    uv, start = transfer.at_vertices(cloth.uv), transfer.at_vertices(cloth.start_positions)
+    flat, curved = mesh.faces[~rest_curved].ravel(), mesh.faces[rest_curved].ravel()
+    uv[flat], start[curved] = mesh.rest[flat, :2], mesh.rest[curved]
     after = replace(
         cloth,
         positions=mesh.positions,
@@ -211,14 +223,14 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         fabric=cloth.fabric[transfer.faces],
         garment=cloth.garment[transfer.faces],
         panel=cloth.panel[transfer.faces],
-        uv=transfer.at_vertices(cloth.uv),
+        uv=uv,
         stitches=transfer.node_indices(cloth.stitches),
         held=marked(cloth.held),
         waist=marked(cloth.waist),
         pinned=mesh.pinned,
         handles=None if cloth.handles is None else _handles(cloth.handles, mesh.pinned, transfer),
-        rest_curved=cloth.rest_curved[transfer.faces],
-        start_positions=mesh.rest,
+        rest_curved=rest_curved,
+        start_positions=start,
     )
     if cloth.velocities.any():
         velocities = with_momentum_of(_motion(cloth), _motion(after))

@@ -9,6 +9,7 @@ import trimesh
 from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet
 from toile.dress.benchmarks.stress_pulled import funnel, knot, wring
 from toile.dress.benchmarks.stress_scene import FPS, StressScene
+from toile.dress.benchmarks.stress_torn import overstretched_seams, spinning_skirt
 from toile.dress.fabrics import fabric
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
@@ -148,7 +149,7 @@ STRESS_SCENES: dict[str, Callable[[], StressScene]] = {
     case.__name__: case
     for case in (
         sphere_10ms, spikes, twenty_layers, squeeze, self_crossing, stiff_canvas, light_cloth, heavy_cloth,
-        slivers, teleport, crumple, wring, funnel, knot,
+        slivers, teleport, crumple, wring, funnel, knot, spinning_skirt, overstretched_seams,
     )
 }  # fmt: skip
 """Cases by name."""

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toile.dress.benchmarks.stress import run_case, stress_table
-from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
+from toile.dress.benchmarks.stress import STRESS_CASES, run_case
+from toile.dress.benchmarks.stress_row import stress_table
 from toile.dress.cli import main
 from toile.dress.dress import dress
 from toile.dress.scene import AvatarFile, Garment, Scene
@@ -15,7 +15,7 @@ from toile.dress.scene import AvatarFile, Garment, Scene
 
 @pytest.mark.stress
 @pytest.mark.parametrize("remesh", [False, True])
-@pytest.mark.parametrize("name", STRESS_SCENES)
+@pytest.mark.parametrize("name", STRESS_CASES)
 def test_hard_case(name: str, remesh: bool) -> None:
     row = run_case(name, remesh)
     assert not row.fell_short, stress_table([row])

@@ -82,6 +82,14 @@ def test_fine_where_it_bends_and_coarse_where_it_is_flat(bent: Cloth) -> None:
     assert np.median(area[inside]) < 0.4 * np.median(area[outside])
 
 
+def test_a_start_out_of_shape_leaves_the_rest_shape_alone(bent: Cloth) -> None:
+    torn = replace(bent, start_positions=bent.start_positions * np.array([5.0, 1.0, 1.0]))
+    after = adapted(torn).cloth
+    assert after.rest_area.sum() == pytest.approx(bent.rest_area.sum(), rel=1e-12)
+    assert np.array_equal(after.rest_corners, adapted(bent).cloth.rest_corners)
+    assert after.start_positions[:, 0] == pytest.approx(5.0 * after.uv[:, 0], abs=1e-12)
+
+
 def test_mass_area_pattern_and_marks_follow(bent: Cloth) -> None:
     held = np.flatnonzero(bent.uv[:, 1] < 1e-9).astype(np.int32)
     after = adapted(replace(bent, held=held)).cloth
