@@ -15,6 +15,7 @@ from toile.dress.palette import BODY, garment_colour, linear
 from toile.dress.result import DressedGarment, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
+from toile.engine.cloth import Cloth
 from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
 from toile.engine.simulate import Simulation
 from toile.engine.step_request import StageClock
@@ -96,17 +97,19 @@ def follow(
         newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
     )  # fmt: skip
 
-    def on_film_frame(frame: FilmFrame) -> bool:
-        nonlocal latest, skin
-        assert frame.avatar is not None
-        skin = frame.avatar
-        latest = tuple(
+    def as_of(cloth: Cloth) -> tuple[DressedGarment, ...]:
+        return tuple(
             replace(
                 garment, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
                 panel=part.panel,
             )
-            for garment, part in zip(garments, taken_apart(frame.cloth, len(garments)), strict=True)
+            for garment, part in zip(garments, taken_apart(cloth, len(garments)), strict=True)
         )  # fmt: skip
+
+    def on_film_frame(frame: FilmFrame) -> bool:
+        nonlocal latest, skin
+        assert frame.avatar is not None
+        skin, latest = frame.avatar, as_of(frame.cloth)
         if frames is not None:
             for garment in latest:
                 corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
@@ -126,6 +129,8 @@ def follow(
     film = Simulation(drape.cloth, body, plan, on_film_frame, motion, StageClock())
     if state is not None:
         film.go_on_from(state)
+        # The run may have been stopped between its last frame and its end.
+        latest, skin = as_of(state.cloth), avatar.vertices if state.avatar is None else state.avatar
     done = 0 if state is None else len(state.record.crossings) - 1
     record = film.run((last - done) / motion.fps)
     failure = None

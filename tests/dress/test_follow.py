@@ -67,20 +67,25 @@ def test_usd_has_a_sample_per_frame_of_body_and_garment(whole: Path) -> None:
     assert len(uv.Get(2)) == 3 * len(stored.faces)
 
 
-def test_a_broken_off_run_goes_on_to_the_same_bytes(scene: Scene, whole: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("last", [2, FRAMES - 1])
+def test_a_broken_off_run_goes_on_to_the_same_bytes(
+    scene: Scene, whole: Path, tmp_path: Path, last: int
+) -> None:
+    """Also one that was stopped after its last frame, before it wrote its end."""
     started = False
 
     def stop(state: ProgressState) -> bool:
         nonlocal started
         started = started or (state.max_frames == FRAMES - 1 and state.frame == 0)
-        return not (started and state.frame == 2)
+        return not (started and state.frame == last)
 
     broken = dress(scene, tmp_path, stop)
-    assert broken.status == "cancelled" and len(frames(tmp_path)) == 2 * 3
+    assert broken.status == "cancelled" and len(frames(tmp_path)) == 2 * (last + 1)
+    (tmp_path / "dressed.glb").unlink()
     said: list[str] = []
     result = resume(tmp_path, say=said.append)
     assert result.status in ("converged", "frame_limit")
-    assert any("going on after frame 2" in line for line in said)
+    assert any(f"going on after frame {last}" in line for line in said)
     assert frames(tmp_path) == frames(whole)
     assert (tmp_path / "dressed.glb").read_bytes() == (whole / "dressed.glb").read_bytes()
 
