@@ -6,6 +6,7 @@ from toile.collide.audit import Auditor, Crossings
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth import Cloth
 from toile.engine.step import ClothStepper
+from toile.engine.step_memory import Memory
 from toile.engine.step_request import StageClock, StepOptions, StepRequest
 from toile.geometry.arrays import Float, Int
 
@@ -36,12 +37,17 @@ class ClothRun:
         self.auditor: Auditor | None = None
         self.stepper = ClothStepper(cloth, self.surface, options, clock)
 
-    def restart(self, cloth: Cloth, anchors: Float | None = None) -> None:
-        """Go on with a cloth of another topology; friction anchors [m], shape (n, 3), start at its nodes."""
+    def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
+        """Go on with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
+
+        Without them anchors start at the nodes, and steps know no past.
+        """
         self.cloth = cloth
         self.stepper = ClothStepper(cloth, self.surface, self.stepper.options, self.clock)
         if anchors is not None and self.stepper.search is not None:
             self.stepper.anchor[: len(anchors)] = anchors
+        if memory is not None:
+            self.stepper.memory = memory
 
     def audit(self) -> Crossings:
         """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""

@@ -9,6 +9,7 @@ import numpy as np
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
+from toile.engine.step_memory import Memory
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -95,9 +96,9 @@ class DrapeState(ClothRun):
         pairs = self.cloth.stitches
         return np.asarray(np.linalg.norm(self.stepper.x[pairs[:, 0]] - self.stepper.x[pairs[:, 1]], axis=1))
 
-    def restart(self, cloth: Cloth, anchors: Float | None = None) -> None:
+    def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
         """Go on with a cloth of another topology."""
-        super().restart(cloth, anchors)
+        super().restart(cloth, anchors, memory)
         self._meshed_at = self.stepper.x.copy()
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)

@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 
 from toile.collide.audit import Crossings
 from toile.engine.cloth import Cloth
+from toile.engine.film_integrators import FilmIntegrator, backward_euler
 from toile.engine.remeshing_record import Remeshing
+from toile.engine.step_memory import Memory
 from toile.engine.step_request import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing import SizingOptions
@@ -25,6 +27,8 @@ class FilmPlan:
     ----------
     step
         Implicit step options.
+    integrator
+        How a time step is made: `backward_euler` or `tr_bdf2` of engine.film_integrators.
     frame_seconds
         Time between two audited output frames [s].
     longest_step, shortest_step
@@ -51,6 +55,7 @@ class FilmPlan:
     """
 
     step: StepOptions
+    integrator: FilmIntegrator = backward_euler
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0
     shortest_step: float = 1.0 / 1920.0
@@ -111,6 +116,8 @@ class FilmState:
     ----------
     cloth
         The cloth, with its velocities.
+    memory
+        What its steps remember.
     anchors
         Friction anchors of its nodes [m], shape (n, 3), or None without contact.
     avatar
@@ -126,6 +133,7 @@ class FilmState:
     """
 
     cloth: Cloth
+    memory: Memory
     anchors: Float | None
     avatar: Float | None
     poses: dict[int, Float]

@@ -23,8 +23,7 @@ def slid_anchors(
         How the avatar's vertices moved in the step [m], shape (v, 3), or None: no slip of the nodes that they
         carry, whose anchors travel along.
     """
-    touching = np.zeros(len(x), bool)
-    touching[contacts.nodes[contacts.nodes >= 0]] = True
+    touching = contacts.touched(len(x))
     offset = x - anchors
     if avatar_motion is not None:
         offset -= _carried(contacts, len(x), avatar_motion)

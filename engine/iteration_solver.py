@@ -25,17 +25,20 @@ class Iteration(NamedTuple):
     request
         The step.
     positions
-        Nodes [m], shape (n, 3).
+        Places of the nodes at which elastic forces are linearised [m], shape (n, 3).
     blocks
         Assembled Hessians of the elements [N/m].
     gradient
-        Gradient of the step's energy without contacts [N], shape (n, 3).
+        Gradient of the step's energy there, without contacts [N], shape (n, 3).
     node_diagonal
         Mass over the square of the time step [N/m], shape (n,).
     stencils
         Holds and the like.
-    pinned, pin_move
-        Pinned nodes, shape (n,), or None; how far they move [m], shape (n, 3), or None.
+    pinned
+        Pinned nodes, shape (n,), or None.
+    ahead
+        How far `positions` are from the nodes [m], shape (n, 3), or None where they are the same. Contacts
+        are linearised at the nodes themselves, from where their motion must be safe.
     """
 
     request: StepRequest
@@ -45,7 +48,7 @@ class Iteration(NamedTuple):
     node_diagonal: Float
     stencils: list[ContactStencils]
     pinned: Bool | None
-    pin_move: Float | None
+    ahead: Float | None
 
 
 class IterationSolver:
@@ -58,7 +61,7 @@ class IterationSolver:
     def solve(
         self, iteration: Iteration, contacts: Contacts | None, slip: float, clock: StageClock
     ) -> tuple[CgResult, Contacts | None]:
-        """Return the solution, and the contacts that hold in it, with their friction.
+        """Return the displacement of the nodes, and the contacts that hold in it, with their friction.
 
         `slip` is the elastic slip of friction [m]; time is booked on `clock`.
         """
@@ -91,20 +94,20 @@ class IterationSolver:
         request, stencils = iteration.request, iteration.stencils
         gradient = iteration.gradient.copy()
         if contacts is not None:
-            contacts.add_gradient(gradient)
+            contacts.add_gradient(gradient, iteration.ahead)
             stencils = [ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness), *stencils]
-        pull = self.system.update(
+        self.system.update(
             iteration.blocks, iteration.node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
-            pinned=iteration.pinned, bending_scale=request.bending_factor, pin_move=iteration.pin_move,
+            pinned=iteration.pinned, bending_scale=request.bending_factor,
         )  # fmt: skip
-        if pull is not None:
-            gradient += pull
+        ahead = iteration.ahead
         if start is None:
             self.preconditioner.update(self.system, iteration.positions)
         now = clock.add("assembly", now)
         result = solve(
             self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
-            max_iterations=request.cg_iterations, start=start,
+            max_iterations=request.cg_iterations,
+            start=start if start is None or ahead is None else start - ahead,
         )  # fmt: skip
         clock.add("solve", now)
-        return result
+        return result if ahead is None else result._replace(solution=result.solution + ahead)

@@ -107,9 +107,8 @@ class LinearSystem:
         bending_scale: float = 1.0,
         contacts: ContactStencils = NO_CONTACTS,
         pinned: Bool | None = None,
-        pin_move: Float | None = None,
-    ) -> Float | None:
-        """Set the numbers of this Newton iteration; return the forces that moving pins call forth.
+    ) -> None:
+        """Set the numbers of this Newton iteration.
 
         Parameters
         ----------
@@ -118,7 +117,6 @@ class LinearSystem:
         bending_scale : the factor s of the bending matrix.
         contacts : this iteration's contacts.
         pinned : nodes that keep dx = 0, shape (node_count,); None: no node.
-        pin_move : how far pins move [m], shape (node_count, 3), zero elsewhere: its forces [N] are returned.
         """
         np.copyto(self.blocks, element_blocks)
         _add_isotropic(self.pattern.diagonal, node_diagonal, 1.0, self.blocks)
@@ -128,16 +126,10 @@ class LinearSystem:
         self.contacts = NO_CONTACTS
         if len(contacts.nodes):
             self._absorb(contacts)
-        forces: Float | None = None
-        if pin_move is not None:
-            self.pinned = np.zeros_like(self.pinned)
-            forces = np.empty_like(pin_move)
-            self.apply(pin_move, forces)
         if pinned is not None and pinned.any():
             self._pin(pinned)
         elif self.pinned.any():
             self.pinned = np.zeros_like(self.pinned)
-        return forces
 
     def _absorb(self, contacts: ContactStencils) -> None:
         """Add contacts that fit the pattern to the blocks; keep the others apart."""

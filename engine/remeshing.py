@@ -12,6 +12,7 @@ from toile.engine.patch_gate import PatchGate
 from toile.engine.remeshing_record import Remeshing
 from toile.engine.sizing_field import face_metrics
 from toile.engine.step import ClothStepper
+from toile.engine.step_memory import Memory
 from toile.engine.step_request import StageClock, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.adapt import adapt
@@ -46,6 +47,8 @@ class Remeshed:
         The cloth, new nodes half-way on its surface.
     anchors
         Friction anchors of its nodes [m], shape (n, 3).
+    memory
+        What its steps remember.
     changed
         Nodes of the faces that are new or have changed, shape (n,).
     splits, flips, collapses
@@ -54,6 +57,7 @@ class Remeshed:
 
     cloth: Cloth
     anchors: Float
+    memory: Memory
     changed: Bool
     splits: int
     flips: int
@@ -80,6 +84,10 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
     return Remeshed(
         cloth=carried,
         anchors=carried.positions - transfer.at_nodes(stepper.x - stepper.anchor[: len(stepper.x)]),
+        memory=Memory(
+            transfer.at_nodes(stepper.memory.acceleration),
+            np.asarray(transfer.nodes @ stepper.memory.touched.astype(np.float64)) > 0.0,
+        ),
         changed=_changed_nodes(mesh, carried, transfer),
         splits=result.splits,
         flips=result.flips,
@@ -104,7 +112,7 @@ def remesh_run(
     before = stepper.elastic_energy()
     # All that it takes counts as remeshing, not as assembly or contact.
     clock, run.clock = run.clock, StageClock(now=run.clock.now)
-    ClothRun.restart(run, found.cloth, found.anchors)
+    ClothRun.restart(run, found.cloth, found.anchors, found.memory)
     stepper = run.stepper
     velocities = stepper.v
     most = (1.0 + JUMP) * before

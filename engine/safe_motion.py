@@ -6,7 +6,7 @@ import numpy as np
 
 from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Bool, Float
 
 MOTION_AHEAD = 1.1
 LEAST_ALLOWANCE = 1e-3
@@ -24,11 +24,11 @@ TAKEN_BACK = 0.3
 
 
 class SafeMove(NamedTuple):
-    """Displacements of nodes, shape (n, 3), and avatar vertices, (v, 3), [m]; nodes that were held back."""
+    """Displacements of nodes, shape (n, 3), and avatar vertices, (v, 3), [m]; nodes held back, shape (n,)."""
 
     cloth: Float
     avatar: Float
-    limited: int
+    limited: Bool
 
 
 def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
@@ -127,7 +127,7 @@ def safe_in_motion(
         limited |= cut
         done = np.where(cut[:, None], move - (1.0 - factor)[:, None] * own, move)
         if covered(done):
-            return SafeMove(done[:count], done[count:], int(np.count_nonzero(limited[:count])))
+            return SafeMove(done[:count], done[count:], limited[:count])
         # From here on to where the guard let them come, with room for the little that it may take back yet.
         lost = np.linalg.norm(done - move, axis=1)
         if attempt == ATTEMPTS - 2:
@@ -140,4 +140,4 @@ def safe_in_motion(
             search.search_cloth(x, room[:count], drift=done[:count])
         search.search_body(x, room[:count], drift=done[:count])
     still = np.zeros_like(move)
-    return SafeMove(still[:count], still[count:], count)
+    return SafeMove(still[:count], still[count:], np.ones(count, bool))

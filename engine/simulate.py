@@ -79,7 +79,7 @@ class Simulation(ClothRun):
         """Return all that the film needs to go on, after a frame."""
         stepper = self.stepper
         return FilmState(
-            cloth=self.cloth,
+            cloth=self.cloth, memory=stepper.memory,
             anchors=None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy(),
             avatar=None if self.surface is None else self.surface.vertices,
             poses={} if self.path is None else dict(self.path.poses),
@@ -92,7 +92,7 @@ class Simulation(ClothRun):
             self.surface.move_to(state.avatar)
         if self.path is not None:
             self.path.poses.update(state.poses)
-        self.restart(state.cloth, state.anchors)
+        self.restart(state.cloth, state.anchors, state.memory)
         self._meshed_at, self._h, self.record = state.meshed_at, state.longest_step, deepcopy(state.record)
 
     def _begin_afresh(self) -> None:
@@ -101,7 +101,7 @@ class Simulation(ClothRun):
         anchors = None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy()
         if self.surface is not None:
             self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
-        self.restart(self.cloth, anchors)
+        self.restart(self.cloth, anchors, stepper.memory)
 
     def _frame_time(self) -> float:
         """Time of the last frame [s]."""
@@ -158,7 +158,7 @@ class Simulation(ClothRun):
             speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._driven_speed)
             wished = min(self._h, plan.motion_max / max(speed, 1e-300))
             h = left / ceil(left / wished - 1e-9)
-            outcome, good = self._attempt(h, self._frame_time() + seconds - left + h)
+            outcome, good = self._attempt(h, self._frame_time() + seconds - left)
             if outcome is None:
                 self._h = 0.5 * h
                 continue
@@ -171,19 +171,22 @@ class Simulation(ClothRun):
             self._contacts = outcome.contacts
             self._min_gap = min(self._min_gap, outcome.min_gap)
 
-    def _attempt(self, h: float, until: float) -> tuple[StepOutcome | None, bool]:
-        """Try a step of size h until a time [s]: its outcome or, undone, None; and whether it went well."""
+    def _attempt(self, h: float, since: float) -> tuple[StepOutcome | None, bool]:
+        """Try a step of size h from a time [s]: its outcome or, undone, None; and whether it went well."""
         plan, stepper, record = self.plan, self.stepper, self.record
         before = self.stretch_max()
         saved = stepper.save()
-        outcome = stepper.step(
-            StepRequest(
-                h=h, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
+
+        def ask(length: float, share: float) -> StepRequest:
+            until = since + share * h
+            return StepRequest(
+                h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
                 cg_tolerance=plan.cg_tolerance, motion_max=inf,
                 avatar_target=None if self.path is None else self.path.at(until),
                 pin_target=self._pins(until),
-            )
-        )  # fmt: skip
+            )  # fmt: skip
+
+        outcome = plan.integrator(stepper, h, ask)
         record.newton_iterations += outcome.newton_iterations
         record.cg_iterations += outcome.cg_iterations
         rise = self.stretch_max() - before

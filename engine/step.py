@@ -1,11 +1,9 @@
 """One implicit step of one cloth topology: predict, find contacts, Newton iterations, safe moves.
 
-A step minimises 1/(2 h^2) |x - y|_M^2 + energies(x), y = x0 + h v0 + h^2 g, by Newton's method with
-positive semi-definite Hessians. A first iteration from x0 is the linearly implicit step of Baraff and
-Witkin (1998). Every displacement passes the guard, so no pair ever meets.
+A step minimises 1/(2 h^2) |x - y|_M^2 + energies(x), y = x0 + h v0 + h^2 g, or what a stage of another
+integrator has for it, by Newton's method with positive semi-definite Hessians. A first iteration from x0 is the linearly
+implicit step of Baraff and Witkin (1998). Every displacement passes the guard, so no pair ever meets.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +11,7 @@ from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.shrunken import vertex_normals
 from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
+from toile.engine.backing_off import backed_off
 from toile.engine.cloth import Cloth
 from toile.engine.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.bend import Bending
@@ -25,13 +24,9 @@ from toile.engine.forces.wind import Wind
 from toile.engine.friction_anchors import slid_anchors
 from toile.engine.iteration_solver import Iteration, IterationSolver
 from toile.engine.linear_system import LinearSystem
-from toile.engine.safe_motion import (
-    LEAST_ALLOWANCE,
-    MOTION_AHEAD,
-    expect,
-    expect_avatar,
-    safe_in_motion,
-)
+from toile.engine.safe_motion import LEAST_ALLOWANCE, MOTION_AHEAD, expect, expect_avatar, safe_in_motion
+from toile.engine.step_inertia import inertia_of
+from toile.engine.step_memory import Memory, Saved
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
@@ -39,23 +34,8 @@ DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.3
 """Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
 OVERSIZE = 4.0
 """Candidates for more than this many times the motion at hand are too many, and searched anew."""
-LOCAL_HALVINGS, HALVINGS = 6, 6
-"""How often a step to equilibrium is shortened when it stretches the cloth more than forces pull it."""
-TOLERATED = 0.2
-"""Share of the membrane energy that a step may add without work."""
-GREEDY = 0.01
-"""Share of that energy from which a face holds back its nodes."""
 FEW = 0.02
 """Share of nodes that may be held back for want of candidates rather than search anew."""
-
-
-class Saved(NamedTuple):
-    """Node positions [m], velocities [m/s], friction anchors [m] and avatar vertices [m] before a step."""
-
-    positions: Float
-    velocities: Float
-    anchor: Float | None
-    avatar: Float | None
 
 
 class ClothStepper:
@@ -70,6 +50,8 @@ class ClothStepper:
         self.avatar = avatar
         self.x = cloth.positions.copy()
         self.v = cloth.velocities.copy()
+        # Without a past all nodes take a backward Euler step.
+        self.memory = Memory(np.zeros_like(self.x), np.ones(len(self.x), bool))
         self.mass = cloth.mass
         self.pinned: Bool | None = cloth.pinned if cloth.pinned.any() else None
         faces = cloth.face_nodes
@@ -160,16 +142,19 @@ class ClothStepper:
         count = len(self.anchor) - len(self.x)
         return np.concatenate([self.radius_self, np.full(count, self.options.radius_self)])
 
-    def gradient(self, y: Float, request: StepRequest) -> Float:
-        """Gradient of the step's energy [N], contacts aside, after forces were evaluated, shape (n, 3)."""
-        gradient = (self.mass / request.h**2)[:, None] * (self.x - y)
+    def gradient(self, place: Float, inertial: Float, request: StepRequest) -> Float:
+        """Gradient of the step's energy [N], contacts aside, after forces were evaluated, shape (n, 3).
+
+        `place` is where they were [m], shape (n, 3), `inertial` the part of inertia [N], shape (n, 3).
+        """
+        gradient = inertial.copy()
         scatter_gradients(self.faces, self.membrane.element_gradient, gradient)
         if self.bending is not None:
-            gradient += request.bending_factor * self.bending.gradient(self.x)
+            gradient += request.bending_factor * self.bending.gradient(place)
         if self.stitches is not None and request.stitch_stiffness > 0.0:
             scatter_gradients(self.stitches.pairs, self.stitches.element_gradient, gradient)
         if self.holds is not None and request.hold_stiffness > 0.0:
-            self.holds.add_gradient(self.x, request.hold_stiffness, gradient)
+            self.holds.add_gradient(place, request.hold_stiffness, gradient)
         if self.untangling is not None and request.untangle_stiffness > 0.0:
             self.untangling.add_gradient(request.untangle_stiffness, gradient)
         return gradient
@@ -177,13 +162,13 @@ class ClothStepper:
     def save(self) -> Saved:
         """Return what a step changes, so that it can be tried again."""
         anchor = None if self.search is None else self.anchor.copy()
-        return Saved(
-            self.x.copy(), self.v.copy(), anchor, None if self.avatar is None else self.avatar.vertices
-        )
+        body = None if self.avatar is None else self.avatar.vertices
+        return Saved(self.x.copy(), self.v.copy(), self.memory, anchor, body)
 
     def restore(self, saved: Saved) -> None:
         """Go back to where the stepper was when it was saved."""
         self.x[:], self.v = saved.positions, saved.velocities.copy()
+        self.memory = saved.memory
         if saved.anchor is not None:
             self.anchor[:] = saved.anchor
         if self.avatar is not None and saved.avatar is not None:
@@ -191,48 +176,56 @@ class ClothStepper:
 
     def step(self, request: StepRequest) -> StepOutcome:
         """Advance the cloth by one step; positions never pass through each other or the avatar."""
-        h = request.h
         start = self.x.copy()
         if request.at_rest:
             self.v = np.zeros_like(self.x)
-        y = start + h * self.v
-        y[:, 1] -= h * h * self.options.gravity * request.gravity
-        ahead = h * self.v
+        blunt, touched = self.memory.touched, np.zeros(len(self.x), bool)
+        inertia = inertia_of(start, self.v, request.h, request.stage, blunt)
+        ahead = request.h * self.v
+        place = self.x if request.at_rest else self._foreseen(request)
         if not request.at_rest:
             # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
-            ahead[:, 1] -= np.minimum(start[:, 1] + ahead[:, 1] - y[:, 1], np.linalg.norm(ahead, axis=1))
+            fall = request.h**2 * self.options.gravity * request.gravity
+            ahead[:, 1] -= np.minimum(fall, np.linalg.norm(ahead, axis=1))
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
-        node_diagonal = self.mass / h**2
         if self.wind is not None:
             self.wind.begin(start)
         avatar_ahead: Float | None = None
-        pin_move: Float | None = None
+        held_back = np.zeros(len(self.x), bool)
         for _ in range(request.newton):
             now = self.clock.now()
             if request.pin_target is not None and self.pinned is not None:
-                pin_move = np.where(self.pinned[:, None], request.pin_target - self.x, 0.0)
                 ahead[self.pinned] = (request.pin_target - start)[self.pinned]
+                place[self.pinned] = request.pin_target[self.pinned]
             if request.avatar_target is not None and self.avatar is not None:
                 avatar_ahead = request.avatar_target - self.avatar.vertices
             contacts = self.contacts(
                 request, None if request.at_rest else start + ahead - self.x, avatar_ahead
             )
+            if request.stage is not None and contacts is not None:
+                touched = contacts.touched(len(self.x))
+                blunt = blunt | touched
+                inertia = inertia_of(start, self.v, request.h, request.stage, blunt)
             now = self.clock.add("contact", now)
-            self.membrane.evaluate(self.x)
+            self.membrane.evaluate(place)
             self.blocks[:] = 0.0
             scatter_hessians(self.pattern.slots[0], self.membrane.element_hessian, self.blocks)
             if self.stitches is not None and request.stitch_stiffness > 0.0:
                 target = self._stitch_target(self.stitches, request)
-                self.stitches.evaluate(self.x, target, request.stitch_stiffness)
+                self.stitches.evaluate(place, target, request.stitch_stiffness)
                 scatter_hessians(self.pattern.slots[1], self.stitches.element_hessian, self.blocks)
             if self.untangling is not None and request.untangle_stiffness > 0.0:
                 assert self.search is not None
                 self.search.place(self.x)
                 self.untangling.evaluate(self.search.positions)
-            gradient = self.gradient(y, request)
+            node_diagonal = self.mass / inertia.h**2
+            inertial = node_diagonal[:, None] * (
+                place - inertia.without_forces(request.gravity * self.options.gravity)
+            )
+            gradient = self.gradient(place, inertial, request)
             if self.wind is not None:
-                gradient += self.wind.gradient((self.x - start) / h)
-                self.blocks[self.pattern.diagonal] += self.wind.drag / h
+                gradient += self.wind.gradient(inertia.velocity_at(place))
+                self.blocks[self.pattern.diagonal] += self.wind.drag / inertia.h[:, None, None]
             stencils = []
             if self.holds is not None and request.hold_stiffness > 0.0:
                 stencils.append(self.holds.stencils(request.hold_stiffness))
@@ -243,8 +236,9 @@ class ClothStepper:
                 outcome.contacts = contacts.count
                 outcome.min_gap = float(contacts.gap.min(initial=np.inf))
             iteration = Iteration(
-                request, self.x, self.blocks, gradient, node_diagonal, stencils, self.pinned, pin_move
-            )
+                request, place, self.blocks, gradient, node_diagonal, stencils, self.pinned,
+                None if place is self.x else place - self.x,
+            )  # fmt: skip
             result, contacts = self.solver.solve(iteration, contacts, self.options.slip, self.clock)
             now = self.clock.now()
             outcome.newton_iterations += 1
@@ -253,40 +247,76 @@ class ClothStepper:
                 move, limited = self._safe(request.move_share * result.solution, request.motion_max)
                 if contacts is not None:
                     contacts.add_gradient(gradient)
-                move = self._backed_off(move, gradient)
+                move = backed_off(
+                    self.membrane,
+                    self.faces,
+                    self.x,
+                    move,
+                    gradient,
+                    lambda some: self._safe(some, np.inf)[0],
+                )
                 self._motion = np.linalg.norm(move, axis=1)
             else:
-                wanted = result.solution if pin_move is None else result.solution + pin_move
-                move, limited = self._safe_in_motion(wanted, avatar_ahead)
-            outcome.limited = limited
+                move, limited = self._safe_in_motion(result.solution, avatar_ahead)
+            held_back |= limited
+            outcome.limited = int(np.count_nonzero(limited))
             self.x += move
             self.clock.add("contact", now)
             outcome.converged &= result.converged
             last = float(np.abs(move).max())
             if last < request.newton_tolerance:
                 break
+            place = self.x.copy() if request.pin_target is not None else self.x
         if request.newton > 1:
             outcome.converged &= last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
-        self.v = np.zeros_like(self.x) if request.at_rest else (self.x - start) / h
+        self._take_motion(start, request, blunt | held_back, touched | held_back)
         if contacts is not None:
-            count = len(self.x)
-            carried = None
-            if request.avatar_target is not None and self.avatar is not None:
-                carried = self.avatar.vertices - self.anchor[count:]
-                self.anchor[count:] = self.avatar.vertices
-                self.avatar.stay()
-                assert self.search is not None
-                self.search.expire_body()
-            self.anchor[:count] = slid_anchors(
-                self.x, self.anchor[:count], contacts, self.options.slip, carried
-            )
+            self._take_anchors(request, contacts)
         return outcome
 
-    def _safe_in_motion(self, wanted: Float, avatar_wanted: Float | None) -> tuple[Float, int]:
-        """Shorten displacements to what is safe and move the avatar; also count the nodes held back."""
+    def _foreseen(self, request: StepRequest) -> Float:
+        """Where forces of a step in motion are linearised [m], shape (n, 3).
+
+        Backward Euler steps linearise where nodes are, as published: it takes energy from cloth that turns.
+        Other stages do so where nodes will be, about: a memory of what was taken would add up.
+        """
+        if request.stage is None:
+            return self.x.copy()
+        there = self.x + request.h * self.v
+        if self.pinned is not None:
+            there[self.pinned] = self.x[self.pinned]
+        return np.asarray(there)
+
+    def _take_motion(self, start: Float, request: StepRequest, blunt: Bool, touched: Bool) -> None:
+        """Take over velocities and accelerations of a step from `start` [m], shape (n, 3).
+
+        Nodes in `blunt`, shape (n,), took a backward Euler step; those in `touched` will take one next.
+        """
+        if request.at_rest:
+            self.v = np.zeros_like(self.x)
+            return
+        inertia = inertia_of(start, self.v, request.h, request.stage, blunt)
+        self.v = inertia.velocity_at(self.x)
+        if request.stage is not None:
+            self.memory = Memory(inertia.acceleration_at(self.x), touched)
+
+    def _take_anchors(self, request: StepRequest, contacts: Contacts) -> None:
+        """Let friction anchors follow a step, and the search know where the avatar has got to."""
+        count = len(self.x)
+        carried = None
+        if request.avatar_target is not None and self.avatar is not None:
+            carried = self.avatar.vertices - self.anchor[count:]
+            self.anchor[count:] = self.avatar.vertices
+            self.avatar.stay()
+            assert self.search is not None
+            self.search.expire_body()
+        self.anchor[:count] = slid_anchors(self.x, self.anchor[:count], contacts, self.options.slip, carried)
+
+    def _safe_in_motion(self, wanted: Float, avatar_wanted: Float | None) -> tuple[Float, Bool]:
+        """Shorten displacements to what is safe and move the avatar; also mark the nodes held back."""
         if self.search is None:
-            return wanted, 0
+            return wanted, np.zeros(len(wanted), bool)
         # Pinned cloth goes nowhere.
         common = None if avatar_wanted is None or self.pinned is not None else wanted.mean(axis=0)
         done = safe_in_motion(self.search, self.x, wanted, self._allowed, self.avatar, avatar_wanted, common)
@@ -299,15 +329,15 @@ class ClothStepper:
         gap = np.linalg.norm(self.x[stitches.pairs[:, 0]] - self.x[stitches.pairs[:, 1]], axis=1)
         return np.asarray(np.maximum(self.stitch_length * request.stitch_share, gap - request.stitch_reach))
 
-    def _safe(self, wanted: Float, longest: float) -> tuple[Float, int]:
-        """Shorten a displacement to `longest` and to what is safe; also count the nodes held back."""
+    def _safe(self, wanted: Float, longest: float) -> tuple[Float, Bool]:
+        """Shorten a displacement to `longest` and to what is safe; also mark the nodes held back."""
         length = np.linalg.norm(wanted, axis=1)
         scale = np.minimum(1.0, longest / np.maximum(length, 1e-300))
         wanted = wanted * scale[:, None]
         length = length * scale
         self._motion = length
         if self.search is None:
-            return wanted, 0
+            return wanted, np.zeros(len(wanted), bool)
         allowance = self.search.allowance(self.x)
         short = ~(allowance >= length)
         if np.count_nonzero(short) > FEW * len(length) or not np.isfinite(allowance).all():
@@ -320,29 +350,7 @@ class ClothStepper:
         move = np.zeros_like(self.search.positions)
         move[: len(self.x)] = wanted
         factor = safe_factors(self.search.positions, move, *self.search.pairs)[: len(self.x)]
-        return wanted * factor[:, None], int(np.count_nonzero(factor < 1.0))
-
-    def _backed_off(self, move: Float, gradient: Float) -> Float:
-        """Shorten a move while it takes more membrane energy than all forces [N] do work along it.
-
-        The guard cuts nodes one by one: what it leaves of a Newton step may stretch what was to be relaxed.
-        Nodes of faces that take most of the energy are held back first, at last the whole cloth.
-        """
-        before = self.membrane.element_energy.copy()
-        total = float(before.sum())
-        for attempt in range(LOCAL_HALVINGS + HALVINGS):
-            work = max(-float(np.sum(gradient * move)), 0.0)
-            taken = self.membrane.energy(self.x + move) - total
-            if taken <= work + TOLERATED * total:
-                break
-            if attempt >= LOCAL_HALVINGS:
-                move = 0.5 * move
-                continue
-            faces = self.membrane.element_energy - before > GREEDY * taken
-            factor = np.ones(len(move))
-            factor[self.faces[faces].ravel()] = 0.5
-            move, _ = self._safe(factor[:, None] * move, np.inf)
-        return move
+        return wanted * factor[:, None], factor < 1.0
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.

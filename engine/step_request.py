@@ -8,6 +8,7 @@ import numpy as np
 
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.wind import AirFlow
+from toile.engine.integrators.stages import Stage
 from toile.geometry.arrays import Float
 
 
@@ -89,6 +90,8 @@ class StepRequest:
     pin_target
         Where pinned nodes shall be after it [m], shape (n, 3), of which only their rows count; None leaves
         them.
+    stage
+        What the step is a stage of, for nodes without contact; None is a backward Euler step.
     """
 
     h: float
@@ -109,6 +112,7 @@ class StepRequest:
     motion_max: float = 0.03
     avatar_target: Float | None = None
     pin_target: Float | None = None
+    stage: Stage | None = None
 
 
 @dataclass

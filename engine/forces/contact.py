@@ -20,7 +20,7 @@ import numpy as np
 from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     F64_1,
     F64_2,
@@ -90,6 +90,12 @@ class Contacts:
         """Number of active contacts."""
         return len(self.gap)
 
+    def touched(self, count: int) -> Bool:
+        """Mark the nodes of all contacts, shape (count,)."""
+        mask = np.zeros(count, bool)
+        mask[self.nodes[self.nodes >= 0]] = True
+        return mask
+
     def pressing(self, push: Float, hard: Float, grip: Float) -> "Contacts":
         """Return the contacts with other forces [N] and stiffnesses [N/m] along, and `grip` across, (c,)."""
         along = self.normal[:, :, None] * self.normal[:, None, :]
@@ -99,14 +105,22 @@ class Contacts:
             stiffness=hard[:, None, None] * along + across,
         )  # fmt: skip
 
-    def add_gradient(self, gradient: Float) -> None:
-        """Subtract contact forces [N] from a gradient, shape (n, 3)."""
+    def add_gradient(self, gradient: Float, ahead: Float | None = None) -> None:
+        """Subtract contact forces [N] from a gradient, shape (n, 3).
+
+        With `ahead` they are those, to first order, after nodes moved so far [m], shape (n, 3).
+        """
+        force = self.force
+        if ahead is not None:
+            moved = np.where((self.nodes >= 0)[:, :, None], ahead[self.nodes], 0.0)
+            opened = np.einsum("cq,cqi->ci", self.weights, moved)
+            force = force - np.einsum("cij,cj->ci", self.stiffness, opened)
         for corner in range(4):
             nodes = self.nodes[:, corner]
             real = nodes >= 0
             for axis in range(3):
                 gradient[:, axis] -= np.bincount(
-                    nodes[real], weights=(self.weights[real, corner] * self.force[real, axis]),
+                    nodes[real], weights=(self.weights[real, corner] * force[real, axis]),
                     minlength=len(gradient),
                 )  # fmt: skip
 
