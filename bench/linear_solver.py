@@ -1,6 +1,10 @@
 """CPU time and iterations of the linear solver on cloth as the implicit step meets it.
 
-Run: python bench/linear_solver.py [--nodes 2000 8000] [--layers 1] [--out results.json]
+Run: python bench/linear_solver.py [--nodes 2000 8000] [--layers 1] [--out results.json] [--product]
+
+`--product` compares the product of the matrix and a vector with the bandwidth of memory instead: the floor is
+the time in which a triad a = b + s c (McCalpin 1995) moves as many bytes, of arrays that take as much room,
+in the same run.
 """
 
 import argparse
@@ -10,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numba import types
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.spatial import Delaunay, cKDTree
 
@@ -20,6 +25,7 @@ from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.block_jacobi import BlockJacobi
 from toile.engine.preconditioner.gauss_seidel import SymmetricGaussSeidel
 from toile.engine.preconditioner.two_level import TwoLevel
+from toile.geometry.kernel import F64_1, OUT_F64_1, kernel
 
 EDGE = 0.01
 STRETCH, SHEAR, DENSITY, BENDING, SEAM, CONTACT = 3000.0, 90.0, 0.15, 1e-5, 5e3, 50.0
@@ -217,6 +223,48 @@ def cpu_milliseconds(call: Callable[[], object], repeats: int = 3) -> float:
     return 1e3 * min(times)
 
 
+@kernel(types.void(F64_1, F64_1, types.float64, OUT_F64_1))
+def triad(b, c, factor, a):
+    for i in range(a.shape[0]):
+        a[i] = b[i] + factor * c[i]
+
+
+def product_bytes(system: LinearSystem) -> int:
+    """Bytes that a product must read and write, every number once."""
+    arrays = (
+        system.blocks, system.pattern.indices, system.pattern.indptr, system.outer_values,
+        system.outer_indices, system.outer_indptr, system.pinned,
+    )  # fmt: skip
+    return sum(array.nbytes for array in arrays) + 2 * 24 * system.pattern.node_count
+
+
+def measure_product(problem: GarmentProblem) -> dict[str, object]:
+    """CPU time of A x against that of a triad of as many bytes, milliseconds."""
+    problem.contacts = ContactStencils(*(array[:0] for array in problem.contacts))
+    problem.update(0.02)
+    system = problem.system
+    moved = product_bytes(system)
+    a, b, c = (np.full(moved // 24, value) for value in (0.0, 1.0, 2.0))
+    x, product = problem.right_hand_side.copy(), np.zeros((problem.count, 3))
+    repeats = max(3, 100_000_000 // moved)
+
+    def many(call: Callable[[], object]) -> Callable[[], object]:
+        return lambda: [call() for _ in range(repeats)]
+
+    floor = cpu_milliseconds(many(lambda: triad(b, c, 0.5, a)), 7) / repeats
+    spent = cpu_milliseconds(many(lambda: system.apply(x, product)), 7) / repeats
+    row: dict[str, object] = {
+        "nodes": problem.count,
+        "MB": round(1e-6 * moved, 2),
+        "triad_ms": round(floor, 4),
+        "triad_GB_per_s": round(1e-6 * moved / floor, 1),
+        "product_ms": round(spent, 4),
+        "ratio": round(spent / floor, 2),
+    }
+    print(*row.items(), sep="\t", flush=True)
+    return row
+
+
 def measure(problem: GarmentProblem, step: float, tolerances: list[float]) -> list[dict[str, object]]:
     """Every method at every tolerance on one system."""
     problem.update(step)
@@ -254,13 +302,16 @@ def main() -> None:
     parser.add_argument("--steps", type=float, nargs="+", default=[0.005, 0.02, 0.1])
     parser.add_argument("--layers", type=int, default=1)
     parser.add_argument("--strain", type=float, default=0.005)
+    parser.add_argument("--product", action="store_true", help="product against memory bandwidth only")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     rows = []
     for nodes in options.nodes:
         problem = GarmentProblem(nodes, layers=options.layers, strain=options.strain)
-        for step in options.steps:
+        for step in [] if options.product else options.steps:
             rows += measure(problem, step, [1e-2, 1e-3, 1e-6])
+        if options.product:
+            rows.append(measure_product(problem))
     if options.out:
         options.out.write_text(json.dumps(rows, indent=1))
 

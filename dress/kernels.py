@@ -40,6 +40,7 @@ REMESH_KERNELS = (
     "toile.remesh.judge_flips",
     "toile.remesh.disjoint_pairs",
 )
+INTEGRATOR_KERNELS = ("toile.engine.forces.spring", "toile.engine.forces.membrane_damping")
 PICTURE_KERNELS = ("toile.dress.rasterizer", "toile.dress.shading")
 """Modules that hold kernels, those that others import before those."""
 

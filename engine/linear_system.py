@@ -28,6 +28,7 @@ from toile.geometry.kernel import (
     OUT_F64_3,
     OUT_I32_1,
     kernel,
+    unsigned,
 )
 
 
@@ -262,8 +263,8 @@ def _multiply(
         y1 = 0.0
         y2 = 0.0
         if not pinned[i]:
-            for k in range(outer_indptr[i], outer_indptr[i + 1]):
-                j = outer_indices[k]
+            for k in range(unsigned(outer_indptr[i]), unsigned(outer_indptr[i + 1])):
+                j = unsigned(outer_indices[k])
                 value = outer_values[k]
                 y0 += value * x[j, 0]
                 y1 += value * x[j, 1]
@@ -271,8 +272,8 @@ def _multiply(
             y0 *= outer_scale
             y1 *= outer_scale
             y2 *= outer_scale
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
+            j = unsigned(indices[k])
             x0 = x[j, 0]
             x1 = x[j, 1]
             x2 = x[j, 2]

@@ -183,7 +183,7 @@ class Simulation(ClothRun):
                 h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
                 cg_tolerance=plan.cg_tolerance, motion_max=inf,
                 avatar_target=None if self.path is None else self.path.at(until),
-                pin_target=self._pins(until),
+                pin_target=self._pins(until), seconds=until,
             )  # fmt: skip
 
         outcome = plan.integrator(stepper, h, ask)
@@ -220,7 +220,7 @@ class Simulation(ClothRun):
                 stepper.step(
                     StepRequest(
                         h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
-                        motion_max=inf, avatar_target=target, pin_target=pins,
+                        motion_max=inf, avatar_target=target, pin_target=pins, seconds=now,
                     )
                 )  # fmt: skip
                 before, lag = lag, self._behind(target, pins)

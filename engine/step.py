@@ -1,8 +1,8 @@
 """One implicit step of one cloth topology: predict, find contacts, Newton iterations, safe moves.
 
 A step minimises 1/(2 h^2) |x - y|_M^2 + energies(x), y = x0 + h v0 + h^2 g, or what a stage of another
-integrator has for it, by Newton's method with positive semi-definite Hessians. A first iteration from x0 is the linearly
-implicit step of Baraff and Witkin (1998). Every displacement passes the guard, so no pair ever meets.
+integrator has for it, by Newton's method with positive semi-definite Hessians. A first iteration from x0 is the
+linearly implicit step of Baraff and Witkin (1998). Every displacement passes the guard, so no pair ever meets.
 """
 
 import numpy as np
@@ -189,7 +189,7 @@ class ClothStepper:
             ahead[:, 1] -= np.minimum(fall, np.linalg.norm(ahead, axis=1))
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
         if self.wind is not None:
-            self.wind.begin(start)
+            self.wind.begin(start, request.seconds)
         avatar_ahead: Float | None = None
         held_back = np.zeros(len(self.x), bool)
         for _ in range(request.newton):

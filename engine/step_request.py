@@ -90,6 +90,8 @@ class StepRequest:
     pin_target
         Where pinned nodes shall be after it [m], shape (n, 3), of which only their rows count; None leaves
         them.
+    seconds
+        Time at which it ends [s]: gusts depend on it.
     stage
         What the step is a stage of, for nodes without contact; None is a backward Euler step.
     """
@@ -112,6 +114,7 @@ class StepRequest:
     motion_max: float = 0.03
     avatar_target: Float | None = None
     pin_target: Float | None = None
+    seconds: float = 0.0
     stage: Stage | None = None
 
 

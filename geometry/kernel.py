@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba import njit, types
 
 
@@ -64,6 +65,10 @@ def kernel(signature: Any, *, parallel: bool = False) -> Any:
     """
     return njit(signature, cache=True, nogil=True, parallel=parallel, **LEAN)
 
+
+unsigned = np.uintp
+"""Type of an index in innermost loops of sparse matrices: numba asks of a signed one whether it counts from
+the end, which took a quarter of the time of a product."""
 
 helper = njit(**LEAN)
 """Decorator of scalar helpers that batch kernels call.

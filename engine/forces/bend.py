@@ -179,6 +179,11 @@ class Bending:
             self._add_turning(x, np.cross(self.second_derivatives_at(x), moments).sum(axis=1), forces)
         return forces
 
+    def gradient_and_energy(self, x: Float) -> tuple[Float, float]:
+        """Gradient [N], shape (n, 3), and energy [J]: where cloth is flat at rest, one product gives both."""
+        gradient = self.gradient(x)
+        return gradient, self.energy(x) if self._rest is not None else 0.5 * float(np.vdot(x, gradient))
+
     def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
         """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on each face.
 

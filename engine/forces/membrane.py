@@ -56,6 +56,31 @@ def _strains(faces: Int, shape: Float, x: Float, strain: Float) -> None:
         strain[t, 1] = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
 
 
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_3))
+def _gradients(faces: Int, shape: Float, x: Float, gradient: Float) -> None:
+    """Fill gradients [N], shape (t, 3, 3)."""
+    for t in range(len(faces)):
+        ux = uy = uz = vx = vy = vz = 0.0
+        for a in range(3):
+            i = faces[t, a]
+            du, dv = shape[t, 4 + a], shape[t, 7 + a]
+            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
+            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        length_u, length_v = sqrt(ux * ux + uy * uy + uz * uz), sqrt(vx * vx + vy * vy + vz * vz)
+        pull_u, pull_v = shape[t, 0] * shape[t, 1], shape[t, 0] * shape[t, 2]
+        pull_u *= 1.0 - 1.0 / length_u if length_u > 0.0 else 0.0
+        pull_v *= 1.0 - 1.0 / length_v if length_v > 0.0 else 0.0
+        pull_u *= 1.0 if length_u > 1.0 else shape[t, 10]
+        pull_v *= 1.0 if length_v > 1.0 else shape[t, 10]
+        pull_s = shape[t, 0] * shape[t, 3] * (ux * vx + uy * vy + uz * vz)
+        for a in range(3):
+            of_u = shape[t, 4 + a] * pull_u + shape[t, 7 + a] * pull_s
+            of_v = shape[t, 7 + a] * pull_v + shape[t, 4 + a] * pull_s
+            gradient[t, a, 0] = of_u * ux + of_v * vx
+            gradient[t, a, 1] = of_u * uy + of_v * vy
+            gradient[t, a, 2] = of_u * uz + of_v * vz
+
+
 @kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1, OUT_F64_3, OUT_F64_4))
 def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float, hessian: Float) -> None:
     """Fill energies [J], gradients [N] (t, 3, 3) and Hessian blocks [N/m] (t, 6, 3, 3).
@@ -144,6 +169,9 @@ class Membrane:
 
     Attributes
     ----------
+    shape
+        Constants of every face, shape (t, 11): rest area; stiffness along warp, along weft, of shear; weights
+        of the corners in the warp, then in the weft derivative; share of stretch stiffness in compression.
     element_energy
         Energy of every face [J], shape (t,).
     element_gradient
@@ -173,8 +201,6 @@ class Membrane:
         determinant = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
         solid = np.abs(determinant) > 0.0
         inverse = np.divide(1.0, determinant, out=np.zeros(count), where=solid)
-        # columns: rest area; stiffness of warp, weft and shear; u, then v, derivative of the corners; the
-        # share of stretch stiffness in compression
         shape = np.empty((count, 11))
         shape[:, 10] = compression
         shape[:, 0] = 0.5 * np.abs(determinant)
@@ -183,29 +209,31 @@ class Membrane:
         shape[:, 8], shape[:, 9] = -second[:, 0] * inverse, first[:, 0] * inverse
         shape[:, 4], shape[:, 7] = -shape[:, 5] - shape[:, 6], -shape[:, 8] - shape[:, 9]
         self.faces = faces
-        self._shape = shape
+        self.shape = shape
         self.element_energy = np.zeros(count)
         self.element_gradient = np.zeros((count, 3, 3))
         self.element_hessian = np.zeros((count, 6, 3, 3))
 
     def energy(self, x: Float) -> float:
         """Energy [J] at node positions x [m], shape (n, 3)."""
-        _energies(self.faces, self._shape, x, self.element_energy)
+        _energies(self.faces, self.shape, x, self.element_energy)
         return float(self.element_energy.sum())
+
+    def evaluate_gradient(self, x: Float) -> None:
+        """Fill the gradients only, at node positions x [m], shape (n, 3)."""
+        _gradients(self.faces, self.shape, x, self.element_gradient)
 
     def evaluate(self, x: Float) -> None:
         """Fill the element arrays at node positions x [m], shape (n, 3)."""
-        _evaluate(
-            self.faces, self._shape, x, self.element_energy, self.element_gradient, self.element_hessian
-        )
+        _evaluate(self.faces, self.shape, x, self.element_energy, self.element_gradient, self.element_hessian)
 
     def gradient(self, values: Float) -> Float:
         """Return the change of node values (n, k) per metre of warp and of weft on faces, shape (t, k, 2)."""
         at_corners = values[self.faces]
-        return np.asarray(np.einsum("tck,tdc->tkd", at_corners, self._shape[:, 4:10].reshape(-1, 2, 3)))
+        return np.asarray(np.einsum("tck,tdc->tkd", at_corners, self.shape[:, 4:10].reshape(-1, 2, 3)))
 
     def warp_weft_strain(self, x: Float) -> Float:
         """Return stretch along warp and weft, |f_u| - 1 and |f_v| - 1, shape (t, 2)."""
         strain = np.empty((len(self.faces), 2))
-        _strains(self.faces, self._shape, x, strain)
+        _strains(self.faces, self.shape, x, strain)
         return strain

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toile.engine.forces.gusts import Gusts
 from toile.geometry.arrays import Float, Int
 
 
@@ -24,10 +25,18 @@ class AirFlow:
     resistance
         k_w [N s/m^3]: pressure per relative speed. Pressure drag rho c/2 u^2 of a plate has this secant at
         speed u: k_w = rho c u / 2.
+    gusts
+        How the velocity varies about that one, or None.
     """
 
     velocity: tuple[float, float, float]
     resistance: float
+    gusts: Gusts | None = None
+
+    def velocity_at(self, seconds: float) -> Float:
+        """Velocity of the air [m/s] at a time [s], shape (3,)."""
+        mean = np.array(self.velocity)
+        return mean if self.gusts is None else self.gusts.velocity(mean, seconds)
 
 
 class Wind:
@@ -41,12 +50,14 @@ class Wind:
 
     def __init__(self, faces: Int, node_count: int, air: AirFlow) -> None:
         self.faces = faces
-        self.air = np.array(air.velocity)
+        self.flow = air
+        self.air = air.velocity_at(0.0)
         self.resistance = air.resistance
         self.drag = np.zeros((node_count, 3, 3))
 
-    def begin(self, x: Float) -> None:
-        """Take normals and areas at node positions x [m], shape (n, 3)."""
+    def begin(self, x: Float, seconds: float = 0.0) -> None:
+        """Take normals and areas at node positions x [m], shape (n, 3), and the air's velocity at a time."""
+        self.air = self.flow.velocity_at(seconds)
         corner = x[self.faces[:, 0]]
         normal = np.cross(x[self.faces[:, 1]] - corner, x[self.faces[:, 2]] - corner)
         twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)

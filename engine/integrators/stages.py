@@ -4,10 +4,10 @@ Every stage of backward Euler, BDF2 and TR-BDF2 asks for a state that satisfies
 
     x = origin + h v,    v = velocity + h M^-1 f(x, v)
 
-with a step size h of its own and combinations `origin` and `velocity` of known states. With
-y = origin + h velocity that is M (x - y)/h^2 = f: the minimum of 1/(2 h^2) |x - y|_M^2 plus the energy of the
-forces. A solver need know nothing else, so these functions serve any step that minimises such a sum, with or
-without contact.
+with a step size h of its own and combinations `origin` and `velocity` of known states. With y = origin + h
+velocity that is M (x - y)/h^2 = f: the minimum of 1/(2 h^2) |x - y|_M^2 plus the energy of the forces. A
+solver need know nothing else, so these functions serve any step that minimises such a sum, with contact or
+without.
 
 Sources: Bank et al. 1985 (TR-BDF2); Hosea and Shampine 1996 (its properties, and why the slope of the
 trapezoidal stage is what the step before has solved for and not the force evaluated anew); Hairer, Norsett
@@ -18,13 +18,12 @@ from typing import NamedTuple
 
 from toile.geometry.arrays import Float
 
-SQRT2 = 2.0**0.5
-GAMMA = 2.0 - SQRT2
+GAMMA = 2.0 - 2.0**0.5
 """Share of the step of TR-BDF2 after which its first stage ends: both stages then have the same matrix."""
 
 
 class Stage(NamedTuple):
-    """What an implicit stage asks for: origin [m], velocity [m/s], shapes (n, 3), its step size [s]."""
+    """What an implicit stage asks for: origin [m], velocity [m/s], shapes (n, 3), and step size [s]."""
 
     origin: Float
     velocity: Float
@@ -45,12 +44,12 @@ class Stage(NamedTuple):
 
 
 def backward_euler_stage(x: Float, v: Float, h: float) -> Stage:
-    """Return the stage of a backward Euler step of h [s] from positions [m], velocities [m/s], (n, 3)."""
+    """Return the stage of a backward Euler step of h [s] from x [m] and v [m/s], shapes (n, 3)."""
     return Stage(x, v, h)
 
 
 def bdf2_stage(x: Float, v: Float, x_before: Float, v_before: Float, h: float, h_before: float) -> Stage:
-    """Return the stage of a BDF2 step of h [s] after one of `h_before`, from the last two states, (n, 3).
+    """Return the stage of a BDF2 step of h [s] after one of `h_before`, from the last two states.
 
     Zero-stable while h < (1 + sqrt 2) h_before.
     """
@@ -71,7 +70,7 @@ def trapezoidal_stage(x: Float, v: Float, acceleration: Float, h: float) -> Stag
 
 
 def tr_bdf2_stage(x: Float, v: Float, x_middle: Float, v_middle: Float, h: float) -> Stage:
-    """Return the second stage of a TR-BDF2 step of h [s]: BDF2 over start and end of the first stage."""
+    """Return the second stage of a TR-BDF2 step of h [s]: BDF2 over both ends of the first."""
     middle = 1.0 / (GAMMA * (2.0 - GAMMA))
     start = (1.0 - GAMMA) ** 2 * middle
     return Stage(middle * x_middle - start * x, middle * v_middle - start * v, 0.5 * GAMMA * h)

@@ -6,6 +6,7 @@ factor (reverse Cuthill-McKee order) is cheap enough to be made anew for every s
 """
 
 import numpy as np
+import numpy.typing as npt
 from numba import types
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
@@ -27,6 +28,7 @@ from toile.geometry.kernel import (
     kernel,
 )
 
+Int64 = npt.NDArray[np.int64]
 REGULARISATION = 1e-8
 """Relative increase of the coarse diagonal: a group of one or two free nodes has motions that do nothing."""
 
@@ -55,6 +57,8 @@ class RigidCoarseSpace:
         pairs = np.unique(self._group[node_rows].astype(np.int64) * self.group_count + self._indices)
         self._group_pairs = pairs
         self._rank: Int = np.zeros(self.group_count, np.int32)
+        self._ordered: Int64 | None = None
+        self._half_bandwidth = 0
         self._factor: Float = np.zeros((0, 0))
 
     def update(self, system: LinearSystem, positions: Float) -> None:
@@ -90,13 +94,21 @@ class RigidCoarseSpace:
 
     def _order_groups(self) -> int:
         """Order the groups, contacts included; return the half bandwidth in groups."""
-        pairs = self._group_pairs
-        count = self.group_count
         nodes = self._contacts.nodes
+        pairs = self._group_pairs
         if len(nodes):
+            count = self.group_count
             used = np.where(nodes >= 0, self._group[nodes], self._group[nodes[:, :1]]).astype(np.int64)
             more = (used[:, :, None] * count + used[:, None, :]).ravel()
             pairs = np.unique(np.concatenate([pairs, more]))
+        if self._ordered is None or len(pairs) != len(self._ordered) or (pairs != self._ordered).any():
+            self._ordered = pairs
+            self._half_bandwidth = self._order(pairs)
+        return self._half_bandwidth
+
+    def _order(self, pairs: Int64) -> int:
+        """Rank the groups by reverse Cuthill-McKee; return the half bandwidth in groups."""
+        count = self.group_count
         rows, columns = pairs // count, pairs % count
         graph = csr_array((np.ones(len(pairs)), (rows, columns)), shape=(count, count))
         order = reverse_cuthill_mckee(graph, symmetric_mode=True)

@@ -14,7 +14,13 @@ import toile
 from toile.dress import kernels
 from toile.geometry import kernel
 
-ALL_KERNELS = kernels.DRAPE_KERNELS + kernels.PANEL_KERNELS + kernels.REMESH_KERNELS + kernels.PICTURE_KERNELS
+ALL_KERNELS = (
+    kernels.DRAPE_KERNELS
+    + kernels.PANEL_KERNELS
+    + kernels.REMESH_KERNELS
+    + kernels.INTEGRATOR_KERNELS
+    + kernels.PICTURE_KERNELS
+)
 SMALL = ("toile.engine.assembly", "toile.engine.cg")
 
 
