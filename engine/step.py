@@ -1,8 +1,8 @@
 """One implicit step of one cloth topology: predict, find contacts, Newton iterations, safe moves.
 
 A step minimises 1/(2 h^2) |x - y|_M^2 + energies(x), y = x0 + h v0 + h^2 g, or what a stage of another
-integrator has for it, by Newton's method with positive semi-definite Hessians. A first iteration from x0 is the
-linearly implicit step of Baraff and Witkin (1998). Every displacement passes the guard, so no pair ever meets.
+integrator has for it, by Newton's method with positive semi-definite Hessians. A first iteration from x0 is
+the linearly implicit step of Baraff and Witkin (1998). Every displacement passes the guard, so no pair meets.
 """
 
 import numpy as np

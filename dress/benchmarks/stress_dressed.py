@@ -87,10 +87,10 @@ def _three_garments(run: Callable[[Scene], Result], remesh: bool) -> Result:
 
 
 def _walking(run: Callable[[Scene], Result], remesh: bool) -> Result:
-    """Walk in a T-shirt and a circle skirt."""
+    """Walk in a circle skirt and a T-shirt over it."""
     with TemporaryDirectory() as folder:
         avatar = _walk_file(Path(folder), WALK_FRAMES)
-        garments = [Garment("tshirt"), Garment("circle_skirt")]
+        garments = [Garment("circle_skirt"), Garment("tshirt")]
         return run(Scene(garments=garments, avatar=avatar, quality=QUALITY, remesh=remesh))
 
 
