@@ -3,37 +3,30 @@
 import argparse
 import os
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from toile.dress.cli_batch import add_batch
+from toile.dress.cli_bench import add_bench, add_stress
+from toile.dress.cli_measure import add_measure
+from toile.dress.cli_parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
-    from toile.dress.benchmarks.remesh import Row
-    from toile.dress.benchmarks.stress_row import StressRow
     from toile.dress.progress import ProgressState
     from toile.dress.scene import Scene
 
-DONE, MISSED, BAD_INPUT, FAILED, CANCELLED = 0, 1, 2, 3, 130
-"""Exit codes."""
 EXIT_CODES = {"converged": DONE, "frame_limit": DONE, "failed": FAILED, "cancelled": CANCELLED}
 EXAMPLES = """\
 examples:
   toile dress --garment tshirt -o out
   toile dress --avatar body.obj --garment shirt_specification.json --fabric denim-12oz -o out
   toile dress scene.toml -o out
+  toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
 exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 130 cancelled"""
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print one line and exit with the code for bad input."""
-        self.exit(BAD_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -69,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
-    parser = _Parser(
+    parser = Parser(
         prog="toile",
         description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
         epilog=EXAMPLES,
@@ -77,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")
     parser.set_defaults(run=lambda options: _print_version() if options.version else _print_help(parser))
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=_Parser)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=Parser)
     _add_dress(commands)
 
     mannequin = commands.add_parser("mannequin", help="write the built-in mannequin to a file")
@@ -94,25 +87,14 @@ def _parser() -> argparse.ArgumentParser:
     patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft them to")
     patterns.set_defaults(run=_run_patterns)
 
-    bench = commands.add_parser("bench", help="measure speed against error on reference scenes")
-    bench.add_argument("study", choices=("remesh",), help="remesh: adaptive against uniform meshes")
-    bench.add_argument("--scene", action="append", metavar="NAME", help="only this scene; repeat for more")
-    bench.add_argument("--seconds", type=float, metavar="S", help="length of the films, instead of their own")
-    bench.add_argument(
-        "--repeats", type=int, default=1, metavar="N", help="repeat what is timed; medians count"
-    )
-    bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
-    bench.set_defaults(run=_run_bench)
-
-    stress = commands.add_parser("stress", help="run the hard cases and check every frame")
-    stress.add_argument("case", nargs="*", metavar="NAME", help="only these cases (default: all)")
-    stress.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
-    stress.add_argument("--pictures", type=Path, metavar="DIR", help="draw the end of every case")
-    stress.set_defaults(run=_run_stress)
+    add_measure(commands)
+    add_batch(commands)
+    add_bench(commands)
+    add_stress(commands)
     return parser
 
 
-def _add_dress(commands: "argparse._SubParsersAction[_Parser]") -> None:
+def _add_dress(commands: "Commands[Parser]") -> None:
     """Add the dress command."""
     dress = commands.add_parser(
         "dress",
@@ -317,62 +299,6 @@ def _run_patterns(options: argparse.Namespace) -> int:
         write_garmentcode(built_in(name, form.measurements), path)
         print(f"wrote {path}")
     return DONE
-
-
-def _run_bench(options: argparse.Namespace) -> int:
-    """Run a study; the exit code tells whether all its bars were met."""
-    from toile.dress.benchmarks.remesh import FINEST, bench_scene, table
-
-    _check_names("scene", options.scene or (), FINEST)
-    if options.repeats < 1:
-        raise InputError(f"--repeats must be at least 1, got {options.repeats}")
-    rows = []
-    for name in options.scene or FINEST:
-        rows.append(bench_scene(name, options.seconds, options.repeats, say=_say_progress))
-        _store(rows, options.json)
-    print(table(rows))
-    return MISSED if any(row.missed() for row in rows) else DONE
-
-
-def _run_stress(options: argparse.Namespace) -> int:
-    """Run hard cases; the exit code tells whether all ended as expected."""
-    from toile.dress.benchmarks.stress import STRESS_CASES, run_stress
-    from toile.dress.benchmarks.stress_row import stress_table
-    from toile.dress.writers.atomic import writable_folder
-
-    _check_names("case", options.case, STRESS_CASES)
-    pictures = None if options.pictures is None else writable_folder(options.pictures)
-    rows = run_stress(
-        options.case or list(STRESS_CASES),
-        lambda row: _say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s"),
-        pictures,
-    )
-    _store(rows, options.json)
-    print(stress_table(rows))
-    return MISSED if any(row.fell_short for row in rows) else DONE
-
-
-def _check_names(kind: str, names: Sequence[str], known: Collection[str]) -> None:
-    """Raise InputError with the nearest name for the first that is not known."""
-    from toile.dress.suggestion import unknown_name
-
-    for name in names:
-        if name not in known:
-            raise InputError(unknown_name(kind, name, known))
-
-
-def _store(rows: "Sequence[Row] | Sequence[StressRow]", path: Path | None) -> None:
-    """Write the figures of a study to a file, if there is one."""
-    import json
-    from dataclasses import asdict
-
-    if path is not None:
-        path.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
-
-
-def _say_progress(line: str) -> None:
-    """Print a line beside the results."""
-    print(line, file=sys.stderr, flush=True)
 
 
 def _print_version() -> int:

@@ -70,7 +70,7 @@ def start_helper(modules: Sequence[str]) -> subprocess.Popen[bytes] | None:
     # A program that embeds Python may name itself as the executable.
     if (os.cpu_count() or 1) < 2 or "python" not in Path(sys.executable or "").name.lower():
         return None
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment = module_path_environment()
     command = [sys.executable, "-P", "-c", IMPORT_ALL, *modules]
     try:
         return subprocess.Popen(
@@ -79,3 +79,8 @@ def start_helper(modules: Sequence[str]) -> subprocess.Popen[bytes] | None:
         )  # fmt: skip
     except (OSError, ValueError):
         return None
+
+
+def module_path_environment() -> dict[str, str]:
+    """Return the environment of a Python process that finds the same modules as this one."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

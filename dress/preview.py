@@ -1,6 +1,6 @@
 """preview.png: front and back of a dressed body, drawn without graphics hardware."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -68,12 +68,37 @@ class _Camera(NamedTuple):
 def render(meshes: Sequence[PreviewMesh], height: int = HEIGHT) -> Pixels:
     """Return a picture of the meshes from the front (left half) and the back, shape (height, width, 3)."""
     model = _joined(meshes)
-    floor = _floor_shadow(model)
-    size = np.ptp(model.positions, axis=0)
-    shape = min(max(1.05 * size[0] / max(size[1], 1e-9), PANEL_SHAPES[0]), PANEL_SHAPES[1])
-    width = round(shape * height)
+    floor, width = _floor_shadow(model), _width(model, height)
     views = [_view(model, floor, angle, width, height) for angle in (0.0, 180.0)]
     return np.ascontiguousarray(np.concatenate(views, axis=1))
+
+
+def render_front(
+    meshes: Sequence[PreviewMesh], height: int = HEIGHT
+) -> tuple[Pixels, Callable[[Float], Float]]:
+    """Return a picture from the front, and the function that takes points [m] to its (column, row)."""
+    model = _joined(meshes)
+    width = _width(model, height)
+    camera = _framed(model.positions, 0.0, width, height)
+
+    def project(points: Float) -> Float:
+        return _on_screen(camera, (points - camera.eye) @ camera.axes.T)
+
+    return _view(model, _floor_shadow(model), 0.0, width, height), project
+
+
+def _width(model: _Model, height: int) -> int:
+    """Return the width of a view that has room for the model [pixels]."""
+    size = np.ptp(model.positions, axis=0)
+    shape = min(max(1.05 * size[0] / max(size[1], 1e-9), PANEL_SHAPES[0]), PANEL_SHAPES[1])
+    return round(float(shape) * height)
+
+
+def _on_screen(camera: _Camera, positions: Float) -> Float:
+    """Return the (column, row) of points in view space."""
+    centre = np.array([0.5 * (camera.width - 1), 0.5 * (camera.height - 1)])
+    offset = camera.focal * positions[:, :2] / positions[:, 2:]
+    return np.asarray(centre + offset * (1.0, -1.0))
 
 
 def _joined(meshes: Sequence[PreviewMesh]) -> _Model:
@@ -104,13 +129,7 @@ def _view(model: _Model, floor: "_Floor", angle: float, width: int, height: int)
     positions = np.ascontiguousarray((model.positions - camera.eye) @ camera.axes.T)
     normals = np.ascontiguousarray(model.normals @ camera.axes.T)
     centre = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
-    screen = np.column_stack(
-        [
-            centre[0] + camera.focal * positions[:, 0] / positions[:, 2],
-            centre[1] - camera.focal * positions[:, 1] / positions[:, 2],
-            1.0 / positions[:, 2],
-        ]
-    )
+    screen = np.column_stack([_on_screen(camera, positions), 1.0 / positions[:, 2]])
     nearness, face_at = rasterize(screen, model.faces, camera.width, camera.height, far=0.0)
     key = KEY_LIGHT / np.linalg.norm(KEY_LIGHT)
     to_shadow, scale = _shadow_frame(positions, key)

@@ -77,8 +77,8 @@ class TimeLeft:
         return max((math.log(self.tolerance) - mean_log) / slope + mean_time - now, 0.0)
 
 
-class ProgressPrinter:
-    """Writes progress to a stream: one line that is overwritten on a terminal, else a line now and then."""
+class LinePrinter:
+    """Writes where something stands: one line that is overwritten on a terminal, else a line now and then."""
 
     LINES_EVERY = 5.0
     """Without a terminal, at most one line in this time [s]."""
@@ -90,16 +90,15 @@ class ProgressPrinter:
         self._last = -math.inf
         self._width = 0
 
-    def __call__(self, state: ProgressState) -> None:
-        """Show the state."""
+    def show(self, text: str, seconds: float) -> None:
+        """Show a line, `seconds` [s] after the beginning."""
         if self._quiet:
             return
-        text = progress_text(state)
         if self._terminal:
             self._stream.write("\r" + text.ljust(self._width))
             self._width = len(text)
-        elif state.seconds - self._last >= self.LINES_EVERY:
-            self._last = state.seconds
+        elif seconds - self._last >= self.LINES_EVERY:
+            self._last = seconds
             self._stream.write(text + "\n")
         self._stream.flush()
 
@@ -110,9 +109,17 @@ class ProgressPrinter:
             self._width = 0
 
 
+class ProgressPrinter(LinePrinter):
+    """Writes the progress of a drape."""
+
+    def __call__(self, state: ProgressState) -> None:
+        """Show the state."""
+        self.show(progress_text(state), state.seconds)
+
+
 def progress_text(state: ProgressState) -> str:
     """Return one line: frame, faces, contacts, residual, time left."""
-    left = "" if state.seconds_left is None else f"  about {_clock(state.seconds_left)} left"
+    left = "" if state.seconds_left is None else f"  about {clock(state.seconds_left)} left"
     residual = f"{state.residual:.2g}" if math.isfinite(state.residual) else "-"
     return (
         f"frame {state.frame}/{state.max_frames}  faces {state.faces}  contacts {state.contacts}  "
@@ -120,7 +127,7 @@ def progress_text(state: ProgressState) -> str:
     )
 
 
-def _clock(seconds: float) -> str:
+def clock(seconds: float) -> str:
     """Return minutes:seconds, or hours:minutes:seconds."""
     total = round(seconds)
     minutes, rest = divmod(total, 60)

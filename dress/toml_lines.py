@@ -46,6 +46,17 @@ class LineNumbers:
         return path
 
 
+class OneLine:
+    """The line of data that all stand on one."""
+
+    def __init__(self, line: int) -> None:
+        self._line = line
+
+    def of(self, key: KeyPath) -> int:
+        """Return the line."""
+        return self._line
+
+
 def _parts(dotted: str) -> tuple[str, ...]:
     """Return the parts of a dotted key without quotes."""
     return tuple(part.strip().strip("\"'") for part in re.findall(PART, dotted))

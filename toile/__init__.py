@@ -14,10 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toile.dress.avatar import Avatar, load_avatar
+    from toile.dress.batch.batch import JobResult, batch
+    from toile.dress.batch.batch_stopped import BatchStopped
+    from toile.dress.batch.job import Job
     from toile.dress.dress import dress, resume
     from toile.dress.fabrics import fabric, fabrics
     from toile.dress.garment_mesh import GarmentMesh
     from toile.dress.mannequin import mannequin
+    from toile.dress.measure import measure
     from toile.dress.progress import ProgressState
     from toile.dress.result import DressedGarment, Result
     from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
@@ -37,21 +41,26 @@ if not (Path(__file__).parent / "geometry").is_dir():
 _HOME = {
     "Avatar": "toile.dress.avatar",
     "AvatarFile": "toile.dress.scene",
+    "BatchStopped": "toile.dress.batch.batch_stopped",
     "VertexMotion": "toile.engine.vertex_motion",
     "DressedGarment": "toile.dress.result",
     "Fabric": "toile.engine.fabric",
     "Garment": "toile.dress.scene",
     "GarmentMesh": "toile.dress.garment_mesh",
     "InputError": "toile.geometry.errors",
+    "Job": "toile.dress.batch.job",
+    "JobResult": "toile.dress.batch.batch",
     "MannequinSize": "toile.dress.scene",
     "ProgressState": "toile.dress.progress",
     "Result": "toile.dress.result",
     "Scene": "toile.dress.scene",
+    "batch": "toile.dress.batch.batch",
     "fabric": "toile.dress.fabrics",
     "fabrics": "toile.dress.fabrics",
     "load_avatar": "toile.dress.avatar",
     "load_scene": "toile.dress.scene_file",
     "mannequin": "toile.dress.mannequin",
+    "measure": "toile.dress.measure",
     "resume": "toile.dress.dress",
 }
 """Public name to the module that defines it."""
@@ -59,22 +68,27 @@ _HOME = {
 __all__ = [
     "Avatar",
     "AvatarFile",
+    "BatchStopped",
     "DressedGarment",
     "Fabric",
     "Garment",
     "GarmentMesh",
     "InputError",
+    "Job",
+    "JobResult",
     "MannequinSize",
     "ProgressState",
     "Result",
     "Scene",
     "VertexMotion",
+    "batch",
     "dress",
     "fabric",
     "fabrics",
     "load_avatar",
     "load_scene",
     "mannequin",
+    "measure",
     "resume",
 ]
 

@@ -22,3 +22,12 @@ def png_bytes(pixels: npt.NDArray[np.uint8]) -> bytes:
         struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         for kind, data in chunks
     )
+
+
+def png_pixels(content: bytes) -> npt.NDArray[np.uint8]:
+    """Return the image, shape (height, width, 3), of a file that `png_bytes` wrote (of no other)."""
+    width, height = struct.unpack(">II", content[16:24])
+    (length,) = struct.unpack(">I", content[33:37])
+    rows = np.frombuffer(zlib.decompress(content[41 : 41 + length]), dtype=np.uint8)
+    differences = rows.reshape(height, 1 + width * 3)[:, 1:].reshape(height, width, 3)
+    return np.cumsum(differences, axis=1, dtype=np.uint8)
