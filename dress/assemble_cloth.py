@@ -3,11 +3,15 @@
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from toile.dress.garment_mesh import GarmentMesh
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
-from toile.geometry.arrays import Int
+from toile.engine.origin import Origin
+from toile.engine.vertex_motion import VertexMotion
+from toile.geometry.arrays import Bool, Int
+from toile.geometry.errors import InputError
 
 WAIST_LABELS = ("lower_interface", "strapless_top")
 SHOULDER_LABELS = ("left_collar", "right_collar", "left_armhole", "right_armhole")
@@ -16,7 +20,7 @@ SHOULDER_LABELS = ("left_collar", "right_collar", "left_armhole", "right_armhole
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
     """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
 
-    `pins` names pinned material vertices, one array per garment.
+    `pins` names pinned material vertices, one array per garment, beside those that its mesh pins.
     """
     offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
     seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
@@ -26,6 +30,8 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
     pinned = np.zeros(count, bool)
     for offset, nodes in zip(offsets, pins, strict=False):
         pinned[offset + nodes] = True
+    for offset, (mesh, _) in zip(offsets, garments, strict=False):
+        pinned[offset + mesh.pinned] = True
     stitches = np.concatenate(
         [mesh.stitches.reshape(-1, 2) + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
     ).astype(np.int32)
@@ -41,6 +47,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
             [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
         )
 
+    origin = _origin([mesh for mesh, _ in garments])
     return Cloth(
         positions=positions,
         velocities=np.zeros_like(positions),
@@ -64,4 +71,40 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         pinned=pinned,
         rest_curved=per_face([not mesh.flat for mesh, _ in garments], np.bool_),
         start_positions=positions.copy(),
+        origin=origin,
+        handles=_handles(origin, pinned, [mesh for mesh, _ in garments]),
     )
+
+
+def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion | None:
+    """Return where the corners of garments go, one garment after the other; None if none of them moves.
+
+    Raises InputError if their motions differ in length.
+    """
+    moving = [mesh.motion for mesh in meshes if mesh.motion is not None]
+    if not moving or origin is None:
+        return None
+    lengths = sorted({len(motion.frames) for motion in moving})
+    if len(lengths) > 1:
+        raise InputError(f"motions of pins differ in length ({lengths} frames); give all the same")
+    parts = [
+        np.zeros((lengths[0], count, 3), np.float32) if mesh.motion is None else mesh.motion.frames
+        for mesh, count in zip(meshes, np.diff(origin.first).tolist(), strict=True)
+    ]
+    return VertexMotion(frames=np.concatenate(parts, axis=1), fps=moving[0].fps)
+
+
+def _origin(meshes: list[GarmentMesh]) -> Origin | None:
+    """Return where the garments come from, or None if none of them was read from a file that says so."""
+    if all(mesh.origin is None for mesh in meshes):
+        return None
+    return Origin.together(
+        [mesh.origin or Origin.unknown(len(mesh.positions), len(mesh.faces)) for mesh in meshes]
+    )
+
+
+def _handles(origin: Origin | None, pinned: Bool, meshes: list[GarmentMesh]) -> csr_array | None:
+    """Return how pinned nodes follow corners that move, sparse (n, p); None if none does."""
+    if origin is None or all(mesh.motion is None for mesh in meshes):
+        return None
+    return csr_array(diags_array(pinned.astype(np.float64)) @ origin.weights)

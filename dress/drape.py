@@ -7,9 +7,10 @@ from dataclasses import replace
 import numba
 import numpy as np
 
+from toile.collide.audit import Crossings
 from toile.collide.shrunken import shrunken
 from toile.dress.arms import drawn_in_arms
-from toile.dress.assemble_cloth import assemble_cloth
+from toile.dress.assemble_cloth import assemble_cloth, pin_motion
 from toile.dress.avatar import Avatar
 from toile.dress.drape_types import (
     DrapedGarment,
@@ -33,6 +34,7 @@ from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.step_request import StepOptions
+from toile.geometry.arrays import Int
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -210,6 +212,7 @@ def _outcome(
                 kind="tangled",
                 message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
                 where=f"frame {len(record.crossings) - 1}",
+                faces=faces_at_fault(cloth, run.audit()),
             )
         elif is_open.any():
             seams = sorted({names[index] for index in cloth.seam[is_open]})
@@ -262,7 +265,18 @@ def _outcome(
     return DrapeOutcome(
         status=status, failure=failure, figures=figures, garments=taken_apart(cloth, len(garments)),
         cloth=cloth, step=run.plan.step, notes=notes, gave_up=record.gave_up,
+        pin_motion=pin_motion([mesh for mesh, _ in garments], cloth.origin),
     )  # fmt: skip
+
+
+def faces_at_fault(cloth: Cloth, crossings: Crossings) -> tuple[Int, ...]:
+    """Return the faces that cross, by their numbers in the file of each garment, where they have any."""
+    if cloth.origin is None:
+        return ()
+    bad = np.unique(np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()]))
+    numbers, owner = cloth.origin.face[bad], cloth.garment[bad]
+    count = len(cloth.origin.first) - 1
+    return tuple(np.unique(numbers[(owner == index) & (numbers >= 0)]) for index in range(count))
 
 
 def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
@@ -280,6 +294,10 @@ def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
                 faces_material=material,
                 uv=cloth.uv[vertices],
                 panel=cloth.panel[own],
+                velocities=cloth.velocities[nodes],
+                origin=None
+                if cloth.origin is None
+                else cloth.origin.of_garment(index, vertices, np.flatnonzero(own).astype(np.int32)),
             )
         )
     return draped

@@ -4,12 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.remesh.sizing import SizingOptions
 
 if TYPE_CHECKING:
     # They import kernels, which are loaded when they are needed.
     from toile.engine.cloth import Cloth
+    from toile.engine.origin import Origin
     from toile.engine.step_request import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
@@ -73,11 +75,16 @@ class FrameState:
 
 @dataclass(frozen=True, kw_only=True)
 class Failure:
-    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame)."""
+    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame).
+
+    `faces` are the faces at fault by their numbers in the file of each garment, shape (k,), where both are
+    known.
+    """
 
     kind: str
     message: str
     where: str = ""
+    faces: tuple[Int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,6 +188,10 @@ class DrapedGarment:
         Pattern coordinates of material vertices [m], shape (m, 2).
     panel
         Panel of every face, shape (t,).
+    velocities
+        Of nodes [m/s], shape (n, 3); None is at rest.
+    origin
+        Which corners and faces of the garment's file all this comes from, or None.
     """
 
     positions: Float
@@ -188,14 +199,16 @@ class DrapedGarment:
     faces_material: Int
     uv: Float
     panel: Int
+    velocities: Float | None = None
+    origin: "Origin | None" = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
-    `gave_up`: its seams jammed, and on another mesh they may not. `cloth` and `step` are what a film goes on
-    with.
+    `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
+    film goes on with.
     """
 
     status: Status
@@ -206,3 +219,4 @@ class DrapeOutcome:
     step: "StepOptions"
     notes: tuple[str, ...] = ()
     gave_up: bool = False
+    pin_motion: VertexMotion | None = None

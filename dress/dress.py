@@ -24,7 +24,7 @@ from toile.dress.kernels import (
 from toile.dress.progress import Progress, ProgressState, TimeLeft
 from toile.dress.quality import quality_preset
 from toile.dress.report import drape_report, with_animation
-from toile.dress.result import DressedGarment, Result, file_stem, save_report, save_shapes
+from toile.dress.result import DressedGarment, Record, Result, file_stem, save_report, save_shapes
 from toile.dress.scene import AvatarFile, MannequinSize, Scene
 from toile.dress.suggestion import unknown_name
 from toile.dress.writers.atomic import writable_folder
@@ -47,6 +47,7 @@ def dress(
     output: str | Path | None = None,
     progress: Progress | None = None,
     say: Say | None = None,
+    record: Record | None = None,
 ) -> Result:
     """Put a scene's garments on its avatar.
 
@@ -60,6 +61,8 @@ def dress(
         Called after every frame; returning False cancels, and what is draped so far is the result.
     say
         Called with one sentence for everything that was recognised or repaired, and before compiling.
+    record
+        Called with every frame of garments that follow an avatar in motion; else once, with frame 0.
 
     Returns
     -------
@@ -73,8 +76,8 @@ def dress(
     """
     folder = None if output is None else writable_folder(output)
     checkpoint = None if folder is None else Checkpoint(folder)
-    hung, compile_seconds = _hang(scene, checkpoint, progress, say)
-    return _finished(scene, hung, folder, checkpoint, progress, say, compile_seconds, None)
+    hung = _hang(scene, checkpoint, progress, say)
+    return _finished(scene, hung, folder, checkpoint, progress, say, record, None)
 
 
 def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
@@ -89,18 +92,19 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
         if say is not None:
             say("the garments did not hang yet: starting over")
         return dress(scene, folder, progress, say)
-    compile_seconds = _load_kernels(scene, True, say)
+    _load_kernels(scene, True, say)
     if say is not None:
         say(f"going on after frame {0 if state is None else len(state.record.crossings) - 1}")
-    return _finished(scene, hung, folder, checkpoint, progress, say, compile_seconds, state)
+    return _finished(scene, hung, folder, checkpoint, progress, say, None, state)
 
 
 def _finished(
     scene: Scene, hung: Hung, folder: Path | None, checkpoint: Checkpoint | None, progress: Progress | None,
-    say: Say | None, compile_seconds: float, state: "FilmState | None",
+    say: Say | None, record: Record | None, state: "FilmState | None",
 ) -> Result:  # fmt: skip
     """Let hung garments follow their avatar, if it moves; write what is left to write."""
     status, report, avatar, garments = hung.drape.status, hung.report, hung.avatar, hung.garments
+    failure = hung.drape.failure
     if avatar.motion is not None and status in FOLLOWS:
         from toile.dress.follow import follow, write_film
 
@@ -111,7 +115,7 @@ def _finished(
         followed = follow(
             avatar, hung.drape, garments, _sizing(scene), folder,
             _frame_callback(progress, quality.tolerance),
-            (lambda _: None) if checkpoint is None else checkpoint.frame, state,
+            (lambda _: None) if checkpoint is None else checkpoint.frame, record or (lambda *_: None), state,
         )  # fmt: skip
         garments, avatar = followed.garments, followed.avatar
         if folder is not None:
@@ -119,25 +123,25 @@ def _finished(
             if written is None and say is not None:
                 say("no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/")
         if followed.failure is not None:
-            status = "failed"
+            status, failure = "failed", followed.failure
         elif followed.cancelled:
             status = "cancelled"
         report = with_animation(
             report, status, followed.failure, followed.figures, followed.stage_seconds,
             time.perf_counter() - wall, time.process_time() - cpu,
         )  # fmt: skip
+    elif record is not None:
+        record(0, garments)
     if folder is not None:
         save_shapes(folder, avatar, garments)
         save_report(folder, report)
     if checkpoint is not None and status != "cancelled":
         checkpoint.end()
-    return Result(status=status, report=report, avatar=avatar, garments=garments)
+    return Result(status=status, report=report, avatar=avatar, garments=garments, failure=failure)
 
 
-def _hang(
-    scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None, say: Say | None
-) -> tuple[Hung, float]:
-    """Put the garments on the avatar as it is at the start; also the seconds that loading kernels took."""
+def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None, say: Say | None) -> Hung:
+    """Put the garments on the avatar as it is at the start."""
     wall, cpu = time.perf_counter(), time.process_time()
     cloth_fabrics = [_fabric_of(scene, garment.fabric) for garment in scene.garments]
     for garment in scene.garments:
@@ -212,7 +216,7 @@ def _hang(
         io_seconds=io_seconds,
         compile_seconds=compile_seconds,
     )
-    return Hung(avatar=avatar, drape=outcome, garments=garments, report=report), compile_seconds
+    return Hung(avatar=avatar, drape=outcome, garments=garments, report=report)
 
 
 def _friction_between(scene: Scene, worn: list[Fabric]) -> dict[frozenset[str], float]:
@@ -348,6 +352,8 @@ def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> Dresse
         uv_faces=draped.faces_material,
         panel=draped.panel,
         panel_names=mesh.panel_names,
+        velocities=draped.velocities,
+        origin=draped.origin,
     )
 
 

@@ -12,7 +12,7 @@ from toile.dress.avatar import Avatar
 from toile.dress.drape import taken_apart
 from toile.dress.drape_types import DrapeOutcome, Failure, FrameState
 from toile.dress.palette import BODY, garment_colour, linear
-from toile.dress.result import DressedGarment, file_stem
+from toile.dress.result import DressedGarment, Record, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.engine.cloth import Cloth
@@ -65,7 +65,7 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
 def follow(
     avatar: Avatar, drape: DrapeOutcome, garments: tuple[DressedGarment, ...], sizing: SizingOptions | None,
     folder: Path | None, on_frame: Callable[[FrameState], bool], keep: Callable[[FilmState], None],
-    state: FilmState | None = None,
+    record: Record, state: FilmState | None = None,
 ) -> Followed:  # fmt: skip
     """Let draped garments follow their avatar's motion.
 
@@ -83,6 +83,8 @@ def follow(
         Called after every frame; returning False ends the film.
     keep
         Called after every frame with all that the film needs to go on from there.
+    record
+        Called with the number of every frame and the garments.
     state
         Where to go on instead of at the beginning.
     """
@@ -98,13 +100,8 @@ def follow(
     )  # fmt: skip
 
     def as_of(cloth: Cloth) -> tuple[DressedGarment, ...]:
-        return tuple(
-            replace(
-                garment, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
-                panel=part.panel,
-            )
-            for garment, part in zip(garments, taken_apart(cloth, len(garments)), strict=True)
-        )  # fmt: skip
+        parts = taken_apart(cloth, len(garments))
+        return tuple(garment.now(part) for garment, part in zip(garments, parts, strict=True))
 
     def on_film_frame(frame: FilmFrame) -> bool:
         nonlocal latest, skin
@@ -116,6 +113,7 @@ def follow(
                 content = ply_bytes(garment.positions, garment.faces, corner_uv)
                 write_atomic(frame_path(frames, garment.name, frame.index), content)
             write_atomic(frame_path(frames, BODY_NAME, frame.index), ply_bytes(skin, avatar.faces))
+        record(frame.index, latest)
         if frame.index:
             keep(film.state())
         return on_frame(
@@ -126,36 +124,36 @@ def follow(
         )  # fmt: skip
 
     body = (avatar.vertices, avatar.faces)
-    film = Simulation(drape.cloth, body, plan, on_film_frame, motion, StageClock())
+    film = Simulation(drape.cloth, body, plan, on_film_frame, motion, StageClock(), drape.pin_motion)
     if state is not None:
         film.go_on_from(state)
         # The run may have been stopped between its last frame and its end.
         latest, skin = as_of(state.cloth), avatar.vertices if state.avatar is None else state.avatar
     done = 0 if state is None else len(state.record.crossings) - 1
-    record = film.run((last - done) / motion.fps)
+    made = film.run((last - done) / motion.fps)
     failure = None
-    if record.failure:
-        frame = len(record.crossings) - 1
-        failure = Failure(kind="motion", message=record.failure, where=f"frame {frame}")
-    elif any(map(sum, record.crossings)):
-        frame = next(index for index, found in enumerate(record.crossings) if sum(found))
+    if made.failure:
+        frame = len(made.crossings) - 1
+        failure = Failure(kind="motion", message=made.failure, where=f"frame {frame}")
+    elif any(map(sum, made.crossings)):
+        frame = next(index for index, found in enumerate(made.crossings) if sum(found))
         failure = Failure(kind="crossing", message="triangles cross", where=f"frame {frame}")
-    gaps = [gap for gap in record.min_gap if math.isfinite(gap)]
+    gaps = [gap for gap in made.min_gap if math.isfinite(gap)]
     figures = {
         "fps": motion.fps,
-        "frames": len(record.crossings) - 1,
-        "seconds": record.simulated_seconds,
-        "steps": record.steps,
-        "retries": record.retries,
-        "newton_iterations": record.newton_iterations,
-        "faces_max": max(record.faces),
-        "intersections_max": max(map(sum, record.crossings)),
+        "frames": len(made.crossings) - 1,
+        "seconds": made.simulated_seconds,
+        "steps": made.steps,
+        "retries": made.retries,
+        "newton_iterations": made.newton_iterations,
+        "faces_max": max(made.faces),
+        "intersections_max": max(map(sum, made.crossings)),
         "min_gap_mm": 1e3 * min(gaps) if gaps else None,
-        "strain_percent_max": 100.0 * max(record.stretch_max),
-        "skin_held_back_mm_max": 1e3 * max(record.lag),
-        "remeshings": len(record.remeshings),
+        "strain_percent_max": 100.0 * max(made.stretch_max),
+        "skin_held_back_mm_max": 1e3 * max(made.lag),
+        "remeshings": len(made.remeshings),
     }
     return Followed(
-        garments=latest, avatar=replace(avatar, vertices=skin), failure=failure, cancelled=record.cancelled,
+        garments=latest, avatar=replace(avatar, vertices=skin), failure=failure, cancelled=made.cancelled,
         figures=figures, stage_seconds=film.clock.seconds,
     )  # fmt: skip

@@ -1,8 +1,16 @@
 """A garment ready for the engine, whatever it came from: pattern, built-in draft or 3-D mesh."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
+
+if TYPE_CHECKING:
+    # It needs scipy, which is loaded when it is needed.
+    from toile.engine.origin import Origin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +45,12 @@ class GarmentMesh:
         True if the rest shape is flat fabric; False if it is the curved start shape itself.
     minimum_angle
         Smallest triangle angle [degrees].
+    pinned
+        Material vertices that no force moves, shape (k,), beside those that a scene pins.
+    origin
+        Corners and faces of the file that material vertices and faces come from, or None.
+    motion
+        Where the file's corners go [m]: pinned vertices follow it where the avatar moves. None: they stay.
     """
 
     name: str
@@ -52,3 +66,6 @@ class GarmentMesh:
     held: dict[str, Int] = field(default_factory=dict)
     flat: bool = True
     minimum_angle: float
+    pinned: Int = field(default_factory=lambda: np.empty(0, np.int32))
+    origin: "Origin | None" = None
+    motion: VertexMotion | None = None

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import trimesh
+from scipy.sparse import csr_array
 
 from toile.dress.avatar import Avatar
 from toile.dress.avatar_units import METRES_PER_UNIT, upright
@@ -15,10 +16,12 @@ from toile.dress.mesh_subdivision import subdivide
 from toile.dress.read_obj import read_obj
 from toile.dress.surface import Surface
 from toile.dress.surface_check import check_vertex_numbers, checked_surface
+from toile.engine.origin import Origin
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
+from toile.remesh.transfer import descent
 
-FORMATS = (".obj", ".ply", ".glb", ".gltf")
+FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz")
 """File extensions of mesh garments."""
 FITS = 1.6
 """Misfit up to which the avatar's own units and axes are not doubted: 0.1 to 2.5 times its size."""
@@ -35,12 +38,13 @@ def read_mesh_garment(
     avatar: Avatar | None = None,
     edge_length: float | None = None,
 ) -> GarmentMesh:
-    """Return the garment of an OBJ, PLY or GLB file.
+    """Return the garment of an OBJ, PLY or GLB file, or of arrays in an .npz file.
 
     Parameters
     ----------
     path
-        The file. Groups (OBJ) and objects (GLB) become panels.
+        The file. Groups (OBJ) and objects (GLB) become panels. For .npz see `read_npz_garment`: it says more
+        about a garment than meshes can, in metres and with Y up.
     name
         Name of the garment; None takes the file's.
     units, up
@@ -62,6 +66,10 @@ def read_mesh_garment(
         raise InputError(f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}")
     if not path.is_file():
         raise InputError(f"{path}: garment file not found; check the path")
+    if path.suffix.lower() == ".npz":
+        from toile.dress.npz_garment import read_npz_garment
+
+        return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
     surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
     if not len(surface.faces):
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
@@ -82,12 +90,13 @@ def garment_from_surface(surface: Surface, *, name: str, edge_length: float | No
     node = (keys // span).astype(np.int32)
     uv = surface.uv[keys % span] if has_uv else np.zeros((len(keys), 2))
     faces = corner.reshape(-1, 3).astype(np.int32)
-    positions, panel = surface.positions, surface.panel
+    positions, panel, face = surface.positions, surface.panel, surface.file_face
+    births: list[Int] = []
     if edge_length is not None:
-        positions, uv, node, faces, parent = subdivide(
+        positions, uv, node, faces, parent, births = subdivide(
             positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
         )
-        panel = panel[parent]
+        panel, face = panel[parent], face[parent]
     corners = positions[node[faces]]
     stitches = _same_node_pairs(node)
     return GarmentMesh(
@@ -103,7 +112,18 @@ def garment_from_surface(surface: Surface, *, name: str, edge_length: float | No
         seam_names=("texture seams",) if len(stitches) else (),
         flat=False,
         minimum_angle=minimum_angle(corners),
+        origin=_origin(keys % span, len(surface.uv), births, face) if has_uv else None,
     )
+
+
+def _origin(corner: npt.NDArray[np.int64], count: int, births: list[Int], face: Int) -> Origin:
+    """Return what material vertices come from: the first from a corner of `count` each, then `births`."""
+    own = csr_array((np.ones(len(corner)), (np.arange(len(corner)), corner)), shape=(len(corner), count))
+    total = len(corner) + sum(map(len, births))
+    return Origin(
+        weights=csr_array(descent(births, len(corner), np.ones(total, bool)) @ own), face=face,
+        first=np.array([0, count], np.int32),
+    )  # fmt: skip
 
 
 def warp_directions(corners: Float, uv: Float | None) -> Float:

@@ -10,7 +10,7 @@ Int64 = npt.NDArray[np.int64]
 
 def subdivide(
     positions: Float, uv: Float, node: Int, faces: Int, *, longest: float
-) -> tuple[Float, Float, Int, Int, Int]:
+) -> tuple[Float, Float, Int, Int, Int, list[Int]]:
     """Split edges until none is longer than a given length; the surface itself does not change.
 
     Parameters
@@ -28,10 +28,12 @@ def subdivide(
 
     Returns
     -------
-    positions, uv, node, faces, parent
-        The refined mesh and the original face of every face.
+    positions, uv, node, faces, parent, births
+        The refined mesh, the original face of every face, and round by round, in the order of their numbers,
+        the two material vertices between which each new one lies, shape (k, 2).
     """
     parent = np.arange(len(faces), dtype=np.int32)
+    births: list[Int] = []
     while True:
         corners = node[faces]
         ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1).astype(np.int64)
@@ -41,7 +43,7 @@ def subdivide(
         lengths = np.linalg.norm(positions[end] - positions[start], axis=1)
         marked = lengths > longest
         if not marked.any():
-            return positions, uv, node, faces, parent
+            return positions, uv, node, faces, parent, births
         # Equal lengths are ranked by edge number, so that two faces agree on the longest.
         rank = np.empty(len(lengths), dtype=np.int64)
         rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
@@ -53,7 +55,8 @@ def subdivide(
         rows = np.arange(len(faces))[:, None]
         turn = (np.arange(3)[None, :] + largest[:, None]) % 3
         faces, edge = faces[rows, turn], edge[rows, turn]
-        uv, node, halves = _material_middles(uv, node, faces, edge, marked, middle)
+        uv, node, halves, parents = _material_middles(uv, node, faces, edge, marked, middle)
+        births.append(parents)
         faces, parent = _split(faces, halves, parent)
 
 
@@ -68,8 +71,8 @@ def _spread(marked: Bool, edge: Int, longest_edge: Int) -> None:
 
 def _material_middles(
     uv: Float, node: Int, faces: Int, edge: Int, marked: Bool, middle: Int64
-) -> tuple[Float, Int, Int]:
-    """Return uv and node with the midpoints added, and each face's three midpoints (-1 where none)."""
+) -> tuple[Float, Int, Int, Int]:
+    """Return uv and node with midpoints added, each face's three midpoints (-1: none), and their parents."""
     halves = np.full(faces.shape, -1, dtype=np.int32)
     where = marked[edge]
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)[where], axis=-1).astype(np.int64)
@@ -77,9 +80,10 @@ def _material_middles(
         ends[:, 0] * len(node) + ends[:, 1], return_index=True, return_inverse=True
     )
     halves[where] = len(node) + index.ravel()
-    added = 0.5 * (uv[keys // len(node)] + uv[keys % len(node)])
+    parents = np.column_stack([keys // len(node), keys % len(node)]).astype(np.int32)
+    added = uv[parents].mean(axis=1)
     nodes = middle[edge[where]][first]
-    return np.concatenate([uv, added]), np.concatenate([node, nodes]).astype(np.int32), halves
+    return np.concatenate([uv, added]), np.concatenate([node, nodes]).astype(np.int32), halves, parents
 
 
 def _split(faces: Int, halves: Int, parent: Int) -> tuple[Int, Int]:

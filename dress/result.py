@@ -1,14 +1,15 @@
 """What a drape gives back, and how it becomes files."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from toile.dress.avatar import Avatar
-from toile.dress.drape_types import Status
+from toile.dress.drape_types import DrapedGarment, Failure, Status
 from toile.dress.palette import BODY, garment_colour, linear
 from toile.dress.report import report_bytes
 from toile.dress.writers.atomic import writable_folder, write_atomic
@@ -18,6 +19,9 @@ from toile.dress.writers.ply import ply_bytes
 from toile.dress.writers.png import png_bytes
 from toile.engine.fabric import Fabric
 from toile.geometry.arrays import Float, Int
+
+if TYPE_CHECKING:
+    from toile.engine.origin import Origin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +46,10 @@ class DressedGarment:
         Panel of every face, shape (t,).
     panel_names
         One name per panel.
+    velocities
+        Of nodes [m/s], shape (n, 3); None is at rest.
+    origin
+        Which corners and faces of the garment's file all this comes from, or None.
     """
 
     name: str
@@ -52,21 +60,38 @@ class DressedGarment:
     uv_faces: Int
     panel: Int
     panel_names: tuple[str, ...]
+    velocities: Float | None = None
+    origin: "Origin | None" = None
+
+    def now(self, part: DrapedGarment) -> "DressedGarment":
+        """Return the garment in another shape."""
+        return replace(
+            self, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
+            panel=part.panel, velocities=part.velocities, origin=part.origin,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """A finished drape: its status, the report as in report.json, the avatar and the garments."""
+    """A finished drape: its status, the report as in report.json, the avatar and the garments.
+
+    `failure` says why it failed, if it did.
+    """
 
     status: Status
     report: dict[str, Any]
     avatar: Avatar
     garments: tuple[DressedGarment, ...]
+    failure: Failure | None = None
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write all output files into a folder and return their paths."""
         folder = writable_folder(folder)
         return [*save_shapes(folder, self.avatar, self.garments), save_report(folder, self.report)]
+
+
+Record = Callable[[int, tuple[DressedGarment, ...]], None]
+"""Called with the number of a frame and the garments in it."""
 
 
 def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ...]) -> list[Path]:

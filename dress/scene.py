@@ -53,7 +53,8 @@ class Garment:
     ----------
     source
         Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
-        specification (.json) or of a 3-D mesh (.obj, .ply, .glb), or a finished GarmentMesh.
+        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, or .npz as `read_npz_garment` says), or a
+        finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
     name

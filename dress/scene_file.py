@@ -36,7 +36,7 @@ from toile.dress.fabrics import checked_fabric, fabrics, invalid_field
 from toile.dress.quality import quality_preset
 from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
 from toile.dress.suggestion import unknown_name
-from toile.dress.toml_lines import LineNumbers
+from toile.dress.toml_lines import LineNumbers, OneLine
 from toile.engine.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
@@ -76,7 +76,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "hip": (NUMBER, "its hip circumference [m]"),
     },
     "garment": {
-        "source": (str, "built-in name, GarmentCode .json, or .obj, .ply, .glb mesh"),
+        "source": (str, "built-in name, GarmentCode .json, or .obj, .ply, .glb, .npz mesh"),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
@@ -114,6 +114,11 @@ def load_scene(path: str | Path) -> Scene:
     return _SceneReader(path, LineNumbers(text)).scene(data)
 
 
+def scene_of_line(data: dict[str, Any], path: Path, line: int) -> Scene:
+    """Return the scene of data with the keys of a scene file, from one line of another kind of file."""
+    return _SceneReader(path, OneLine(line)).scene(data)
+
+
 def scene_keys_help() -> str:
     """Return the table of all keys as text."""
     lines: list[str] = []
@@ -127,7 +132,7 @@ def scene_keys_help() -> str:
 class _SceneReader:
     """Turns parsed TOML into a Scene; knows the file and line of each key for errors."""
 
-    def __init__(self, path: Path, lines: LineNumbers) -> None:
+    def __init__(self, path: Path, lines: LineNumbers | OneLine) -> None:
         self.path = path
         self.lines = lines
 

@@ -55,7 +55,7 @@ class Surface:
             nodes = np.array([corners[i] for i in which.tolist()], dtype=np.int32)
             texture = np.array([uv_corners[i] for i in which.tolist()], dtype=np.int32)
             if size == 4:
-                turned = _better_split_from_second(positions, nodes)
+                turned = split_from_second(positions, nodes)
                 nodes[turned] = np.roll(nodes[turned], -1, axis=1)
                 texture[turned] = np.roll(texture[turned], -1, axis=1)
             for k in range(1, size - 1):
@@ -79,8 +79,8 @@ class Surface:
         return replace(self, panel_names=tuple(name or "garment" for name in names) or ("garment",))
 
 
-def _better_split_from_second(positions: Float, quads: Int) -> Int:
-    """Return the quads to be split from corner 1 to 3: where that keeps normals alike, or is shorter."""
+def split_from_second(positions: Float, quads: Int) -> Int:
+    """Return the quads (q, 4) to be split from corner 1 to 3: where normals stay alike, or it is shorter."""
     p = positions[quads]
     agree = []
     for a, b, c, d in ((0, 1, 2, 3), (1, 2, 3, 0)):

@@ -69,7 +69,7 @@ def _refuse_degenerate(path: Path, positions: Float, faces: Int, file_face: Int)
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     bad = np.flatnonzero((doubled < 2.0 * SMALLEST_AREA) | (doubled < SMALLEST_HEIGHT * longest**2))
     if len(bad):
-        raise InputError(f"{path}: {_named(file_face[bad])} no area; delete or merge them")
+        raise InputError(f"{path}: {_named(file_face[bad])} no area; delete or merge them", file_face[bad])
 
 
 def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
@@ -85,7 +85,10 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
     crowded = np.flatnonzero(key[2:] == key[:-2])
     if len(crowded):
         bad = np.unique(owner[np.concatenate([crowded, crowded + 1, crowded + 2])])
-        raise InputError(f"{path}: {_named(file_face[bad])} an edge with more than two faces; separate them")
+        raise InputError(
+            f"{path}: {_named(file_face[bad])} an edge with more than two faces; separate them",
+            file_face[bad],
+        )
     pair = np.flatnonzero(key[1:] == key[:-1])
     a, b, same = owner[pair], owner[pair + 1], upward[pair] == upward[pair + 1]
     if not same.any():
@@ -107,7 +110,9 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
     wrong = np.flatnonzero((turned[a] ^ turned[b]) != same)
     if len(wrong):
         bad = np.unique(np.concatenate([a[wrong], b[wrong]]))
-        raise InputError(f"{path}: {_named(file_face[bad])} no consistent right side (a Moebius strip)")
+        raise InputError(
+            f"{path}: {_named(file_face[bad])} no consistent right side (a Moebius strip)", file_face[bad]
+        )
     return np.flatnonzero(turned).astype(np.int32)
 
 

@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.sparse import block_diag, csr_array
 from scipy.spatial import cKDTree
 
 from toile.engine.cloth import Cloth
+from toile.engine.origin import Origin
 from toile.geometry.arrays import Float, Int
 
 FOLLOWS = 4
@@ -74,4 +76,25 @@ def worn_together(garments: list[Cloth]) -> Cloth:
         pinned=np.concatenate([cloth.pinned for cloth in garments]),
         rest_curved=np.concatenate([cloth.rest_curved for cloth in garments]),
         start_positions=np.concatenate([cloth.start_positions for cloth in garments]),
+        origin=_origin(garments), handles=_handles(garments),
     )  # fmt: skip
+
+
+def _origin(garments: list[Cloth]) -> Origin | None:
+    """Return where garments come from together, or None if nobody asks."""
+    if all(cloth.origin is None for cloth in garments):
+        return None
+    return Origin.together(
+        [cloth.origin or Origin.unknown(len(cloth.node), len(cloth.faces)) for cloth in garments]
+    )
+
+
+def _handles(garments: list[Cloth]) -> csr_array | None:
+    """Return the handles of garments together, or None if they have none."""
+    if all(cloth.handles is None for cloth in garments):
+        return None
+    parts = []
+    for cloth in garments:
+        corners = 0 if cloth.origin is None else int(cloth.origin.first[-1])
+        parts.append(csr_array((len(cloth.positions), corners)) if cloth.handles is None else cloth.handles)
+    return csr_array(block_diag(parts, format="csr"))

@@ -11,6 +11,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.engine.fabric import Fabric
+from toile.engine.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
 
 
@@ -59,6 +60,8 @@ class Cloth:
         Whether the face's rest shape is its curved start shape, shape (t,).
     start_positions
         Start position of every material vertex [m], shape (m, 3): the rest shape of curved faces.
+    origin
+        Which corners and faces of the garments' files all this was made of; None where nobody asks.
     """
 
     positions: Float
@@ -80,6 +83,7 @@ class Cloth:
     rest_curved: Bool
     start_positions: Float
     handles: csr_array | None = None
+    origin: Origin | None = None
 
     @property
     def face_nodes(self) -> Int:

@@ -239,6 +239,7 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         handles=None if cloth.handles is None else _handles(cloth.handles, mesh.pinned, transfer),
         rest_curved=rest_curved,
         start_positions=start,
+        origin=None if cloth.origin is None else cloth.origin.carried(transfer),
     )
     if cloth.velocities.any():
         velocities = with_momentum_of(_motion(cloth), _motion(after))

@@ -90,16 +90,19 @@ def transfer_map(
     new_node[~node_alive[:node_count]] = -1
     on_line = np.concatenate([np.zeros(node_count, bool), *(batch.on_line for batch in births)])
     return TransferMap(
-        nodes=_descent([batch.node_parents for batch in births], node_count, node_alive),
-        vertices=_descent([batch.vertex_parents for batch in births], vertex_count, vertex_alive),
+        nodes=descent([batch.node_parents for batch in births], node_count, node_alive),
+        vertices=descent([batch.vertex_parents for batch in births], vertex_count, vertex_alive),
         faces=parent,
         new_node=new_node,
         on_line=on_line[node_alive],
     )
 
 
-def _descent(batches: list[Int], count: int, alive: Bool) -> sp.csr_array:
-    """Weights of the first `count` items in all that are alive, given the parents of each later batch."""
+def descent(batches: list[Int], count: int, alive: Bool) -> sp.csr_array:
+    """Return the weights of the first `count` items in all that are alive.
+
+    Every batch has the two parents, among all before it, of each of its items: shape (k, 2).
+    """
     weights = sp.eye_array(count, format="csr")
     for parents in batches:
         rows = np.repeat(np.arange(len(parents)), 2)

@@ -22,7 +22,12 @@ import toile
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("geometry", "collide", "remesh", "engine", "dress", "blender_addon")
 SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
-MODULES = sorted(module.name for module in pkgutil.walk_packages(toile.__path__, "toile."))
+MODULES = sorted(
+    module.name
+    for module in pkgutil.walk_packages(toile.__path__, "toile.")
+    if not module.name.startswith("toile.blender_addon.")
+)
+"""Those of the add-on import bpy: its own tests run them, in Blender."""
 KERNEL_MODULE = ROOT / "geometry" / "kernel.py"
 MAX_LINES = 400
 MAX_START_SECONDS = 1.0
@@ -57,6 +62,11 @@ def test_links_show_every_package_under_one_name() -> None:
         link = ROOT / "toile" / package
         assert os.readlink(link) == f"../{package}"
         assert (link / "__init__.py").is_file()
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_source_file_says_what_it_is_for(path: Path) -> None:
+    assert (ast.get_docstring(ast.parse(path.read_text())) or "").strip()
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -166,7 +176,7 @@ def test_imports_are_declared() -> None:
                 names = [node.module or ""]
             for name in names:
                 top = name.partition(".")[0]
-                allowed = top in {"toile", "bpy", *modules} or top in sys.stdlib_module_names
+                allowed = top in {"toile", "bpy", "bpy_extras", *modules} or top in sys.stdlib_module_names
                 assert allowed, f"{path} imports {top}"
 
 

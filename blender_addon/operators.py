@@ -1,0 +1,244 @@
+"""The operators `toile.*`. Each works without an event loop; with one, those that take long are modal."""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import EnumProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from toile.blender_addon.dressing import draft_steps, dress_body_steps, dress_steps
+from toile.blender_addon.problem import Problem
+from toile.blender_addon.result import forget_files, made_real, our_modifier, remove_modifier
+from toile.blender_addon.run import Current, Run, Steps, cancel_current
+from toile.blender_addon.scene_folder import cache_folder
+
+SHOWN_IN = {"PROPERTIES", "VIEW_3D"}
+"""Editors that show progress."""
+
+
+class _Runs:
+    """An operator whose work is done in steps: at once by `execute`, beside Blender's own by `invoke`."""
+
+    _timer: Any = None
+
+    def steps(self, context: Any) -> Steps:
+        """Return the work."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Allow one run at a time."""
+        return Current.run is None
+
+    def execute(self, context: Any) -> set[str]:
+        """Work to the end."""
+        self._begin(context)
+        try:
+            assert Current.run is not None
+            Current.run.finish()
+        except Problem as problem:
+            return self._failed(problem)
+        finally:
+            self._end(context)
+        return {"FINISHED"}
+
+    def invoke(self, context: Any, event: Any) -> set[str]:
+        """Work a little at every tick of a timer."""
+        self._begin(context)
+        self._timer = context.window_manager.event_timer_add(0.05, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Go on, or stop where the user presses Esc."""
+        run = Current.run
+        if run is None:
+            self._end(context)
+            return {"CANCELLED"}
+        if event.type == "ESC":
+            run.cancelled = True
+        if event.type != "TIMER":
+            # Undo while objects are read would pull them from under our feet.
+            return {"RUNNING_MODAL"} if run.reading else {"PASS_THROUGH"}
+        try:
+            more = run.tick()
+        except Problem as problem:
+            self._end(context)
+            return self._failed(problem)
+        _redraw(context, f"toile: {run.text}   (Esc: stop, keep the frames so far)")
+        if more:
+            return {"RUNNING_MODAL"}
+        self._end(context)
+        return {"FINISHED"}
+
+    def cancel(self, context: Any) -> None:
+        """Stop, as when another file is loaded."""
+        self._end(context)
+
+    def _begin(self, context: Any) -> None:
+        Current.run = Run(self.steps(context))
+
+    def _end(self, context: Any) -> None:
+        if Current.run is not None:
+            Current.run.close()
+            Current.run = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        _redraw(context, None)
+
+    def _failed(self, problem: Problem) -> set[str]:
+        self.report({"ERROR"}, str(problem))  # type: ignore[attr-defined]
+        return {"CANCELLED"}
+
+
+def _redraw(context: Any, text: str | None) -> None:
+    """Show progress, where there is something to show it in."""
+    if context.workspace is not None:
+        context.workspace.status_text_set(text)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in SHOWN_IN:
+                area.tag_redraw()
+
+
+class TOILE_OT_dress(_Runs, bpy.types.Operator):
+    """Put the garments of the scene on its avatars."""
+
+    bl_idname, bl_label, bl_options = "toile.dress", "Dress", {"UNDO"}
+
+    def steps(self, context: Any) -> Steps:
+        """Return the work."""
+        return dress_steps(context)
+
+
+class TOILE_OT_dress_body(_Runs, bpy.types.Operator):
+    """Draft a built-in pattern to the active object, and dress it."""
+
+    bl_idname, bl_label, bl_options = "toile.dress_body", "Dress This Body", {"UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a mesh that is no garment."""
+        body = context.object
+        return (
+            Current.run is None and body is not None and body.type == "MESH" and body.toile.role != "GARMENT"
+        )
+
+    def steps(self, context: Any) -> Steps:
+        """Return the work."""
+        return dress_body_steps(context, context.object, context.scene.toile.pattern)
+
+
+class TOILE_OT_add_pattern(_Runs, bpy.types.Operator):
+    """Draft the chosen built-in pattern to the avatar, its panels around it."""
+
+    bl_idname, bl_label, bl_options = "toile.add_pattern", "Add Pattern", {"UNDO"}
+
+    def steps(self, context: Any) -> Steps:
+        """Return the work."""
+        return draft_steps(context, context.scene.toile.pattern)
+
+
+class TOILE_OT_import_pattern(_Runs, bpy.types.Operator, ImportHelper):
+    """Import a sewing pattern in the GarmentCode format, its panels around the avatar."""
+
+    bl_idname, bl_label, bl_options = "toile.import_pattern", "Import GarmentCode Pattern", {"UNDO"}
+    filename_ext = ".json"
+    __annotations__ = {"filter_glob": StringProperty(default="*.json", options={"HIDDEN"})}
+
+    def invoke(self, context: Any, event: Any) -> set[str]:
+        """Ask for the file."""
+        chosen: set[str] = ImportHelper.invoke(self, context, event)
+        return chosen
+
+    def steps(self, context: Any) -> Steps:
+        """Return the work."""
+        return draft_steps(context, str(Path(bpy.path.abspath(self.filepath)).resolve()))
+
+
+class TOILE_OT_cancel(bpy.types.Operator):
+    """Stop, and keep the frames so far."""
+
+    bl_idname, bl_label = "toile.cancel", "Cancel"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a run."""
+        return Current.run is not None
+
+    def execute(self, context: Any) -> set[str]:
+        """Ask the run to stop."""
+        if Current.run is not None:
+            Current.run.cancelled = True
+        return {"FINISHED"}
+
+
+class TOILE_OT_set_role(bpy.types.Operator):
+    """Make the active object an avatar or a garment, or neither."""
+
+    bl_idname, bl_label, bl_options = "toile.set_role", "Set Role", {"REGISTER", "UNDO"}
+    __annotations__ = {
+        "role": EnumProperty(items=[(word, word.capitalize(), "") for word in ("NONE", "AVATAR", "GARMENT")])
+    }
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a mesh."""
+        return context.object is not None and context.object.type == "MESH"
+
+    def execute(self, context: Any) -> set[str]:
+        """Set it."""
+        context.object.toile.role = self.role
+        if self.role != "GARMENT":
+            remove_modifier(context.object)
+        return {"FINISHED"}
+
+
+class _OnGarment:
+    """An operator on a garment that shows frames."""
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need the frames."""
+        return Current.run is None and context.object is not None and our_modifier(context.object) is not None
+
+
+class TOILE_OT_apply(_OnGarment, bpy.types.Operator):
+    """Make what the garment shows in this frame its mesh; the old mesh is kept as data."""
+
+    bl_idname, bl_label, bl_options = "toile.apply", "Apply This Frame", {"REGISTER", "UNDO"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Apply it."""
+        made_real(context.object, context)
+        context.object.toile.role = "NONE"
+        return {"FINISHED"}
+
+
+class TOILE_OT_clear(_OnGarment, bpy.types.Operator):
+    """Remove the frames of this garment from disk; it shows its own mesh again."""
+
+    bl_idname, bl_label, bl_options = "toile.clear", "Clear Frames", {"REGISTER"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Clear them."""
+        garment = context.object
+        remove_modifier(garment)
+        forget_files(cache_folder(garment))
+        garment.toile.state = ""
+        return {"FINISHED"}
+
+
+CLASSES = (
+    TOILE_OT_dress, TOILE_OT_dress_body, TOILE_OT_add_pattern, TOILE_OT_import_pattern, TOILE_OT_cancel,
+    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear,
+)  # fmt: skip
+
+
+@persistent
+def stop(*_: object) -> None:
+    """Stop what is going on, as before another file is loaded."""
+    cancel_current()

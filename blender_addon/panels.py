@@ -1,0 +1,133 @@
+"""Panels: in the Physics tab, where Blender's own cloth is, and a short one beside the 3-D view."""
+
+from typing import Any
+
+import bpy
+
+from toile.blender_addon.properties import OWN_VALUES
+from toile.blender_addon.result import our_modifier
+from toile.blender_addon.run import Current
+
+
+def draw_add(self: Any, context: Any) -> None:
+    """Offer roles among the physics of an object."""
+    obj = context.object
+    if obj is None or obj.type != "MESH":
+        return
+    row = self.layout.row(align=True)
+    if obj.toile.role != "NONE":
+        row.operator("toile.set_role", text=f"Toile {obj.toile.role.capitalize()}", icon="X").role = "NONE"
+        return
+    row.operator("toile.set_role", text="Toile Garment", icon="MATCLOTH").role = "GARMENT"
+    row.operator("toile.set_role", text="Toile Avatar", icon="OUTLINER_OB_ARMATURE").role = "AVATAR"
+
+
+def draw_run(layout: Any, context: Any) -> None:
+    """Show the run in progress, or what starts one."""
+    run = Current.run
+    if run is not None:
+        layout.progress(factor=run.share, text=run.text)
+        layout.operator("toile.cancel", icon="CANCEL")
+        return
+    layout.operator("toile.dress", icon="PLAY")
+
+
+class _Physics:
+    """A panel in the Physics tab of an object that has a role."""
+
+    bl_space_type, bl_region_type, bl_context = "PROPERTIES", "WINDOW", "physics"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need an object with a role."""
+        return context.object is not None and context.object.toile.role != "NONE"
+
+
+class TOILE_PT_physics(_Physics, bpy.types.Panel):
+    """Who the object is to toile, and the run."""
+
+    bl_idname, bl_label = "TOILE_PT_physics", "Toile"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout, obj = self.layout, context.object
+        layout.use_property_split = True
+        layout.prop(obj.toile, "role")
+        if obj.toile.role == "GARMENT":
+            layout.prop(obj.toile, "layer")
+            layout.prop(obj.toile, "keep_topology")
+        draw_run(layout.column(), context)
+        if obj.toile.state:
+            layout.label(text=f"Frames: {obj.toile.state}")
+        if our_modifier(obj) is not None:
+            row = layout.row(align=True)
+            row.operator("toile.apply")
+            row.operator("toile.clear")
+
+
+class TOILE_PT_fabric(_Physics, bpy.types.Panel):
+    """What a garment is made of, what holds it and what is sewn."""
+
+    bl_idname, bl_label, bl_parent_id = "TOILE_PT_fabric", "Cloth", "TOILE_PT_physics"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a garment."""
+        return context.object is not None and context.object.toile.role == "GARMENT"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout, own = self.layout, context.object.toile
+        layout.use_property_split = True
+        layout.prop_search(own, "pin_group", context.object, "vertex_groups")
+        layout.prop(own, "use_sewing")
+        layout.prop(own, "fabric")
+        layout.prop_search(own, "warp_map", context.object.data, "uv_layers")
+        layout.prop(own, "thickness")
+        layout.prop(own, "use_own_values")
+        if own.use_own_values:
+            column = layout.column(align=True)
+            for name in OWN_VALUES:
+                column.prop(own, name)
+
+
+class TOILE_PT_scene(_Physics, bpy.types.Panel):
+    """How the scene is dressed."""
+
+    bl_idname, bl_label, bl_parent_id = "TOILE_PT_scene", "Simulation", "TOILE_PT_physics"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout, settings = self.layout, context.scene.toile
+        layout.use_property_split = True
+        layout.prop(settings, "mode")
+        if settings.mode == "SIMULATE":
+            column = layout.column(align=True)
+            column.prop(settings, "frame_start")
+            column.prop(settings, "frame_end")
+        layout.prop(settings, "quality")
+        layout.prop(settings, "use_remesh")
+        column = layout.column(align=True)
+        column.prop(settings, "size_min")
+        if settings.use_remesh:
+            column.prop(settings, "size_max")
+
+
+class TOILE_PT_view(bpy.types.Panel):
+    """The one click, and the run."""
+
+    bl_idname, bl_label = "TOILE_PT_view", "Toile"
+    bl_space_type, bl_region_type, bl_category = "VIEW_3D", "UI", "Toile"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout, settings = self.layout, context.scene.toile
+        layout.prop(settings, "pattern")
+        column = layout.column(align=True)
+        column.operator("toile.dress_body", icon="MATCLOTH")
+        column.operator("toile.add_pattern")
+        column.operator("toile.import_pattern")
+        draw_run(layout, context)
+
+
+CLASSES = (TOILE_PT_physics, TOILE_PT_fabric, TOILE_PT_scene, TOILE_PT_view)

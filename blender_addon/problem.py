@@ -1,0 +1,10 @@
+"""Why something cannot be done, in one line for the user."""
+
+
+class Problem(Exception):
+    """What is wrong and what to do; `garment` and `faces` name the polygons at fault, if that is known."""
+
+    def __init__(self, message: str, garment: str = "", faces: tuple[int, ...] = ()) -> None:
+        super().__init__(message)
+        self.garment = garment
+        self.faces = faces

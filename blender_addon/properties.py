@@ -1,0 +1,113 @@
+"""What a .blend file knows of toile: who is who and made of what, and how a scene is dressed."""
+
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from toile.dress.fabrics import DEFAULT_FABRIC, fabrics
+from toile.dress.patterns import built_in_names
+
+FABRICS = fabrics()
+OWN_VALUES = {
+    "areal_density": ("Weight", "Mass per area [kg/m²]", 0.001, 5.0),
+    "stretch_warp": ("Stretch Warp", "Stiffness along the warp [N/m]", 1.0, 1e5),
+    "stretch_weft": ("Stretch Weft", "Stiffness along the weft [N/m]", 1.0, 1e5),
+    "shear": ("Shear", "Shear stiffness [N/m]", 0.0, 1e5),
+    "bending_warp": ("Bending Warp", "Rigidity when bent along the warp [µN·m]", 0.0, 1e4),
+    "bending_weft": ("Bending Weft", "Rigidity when bent along the weft [µN·m]", 0.0, 1e4),
+    "bending_bias": ("Bending Bias", "Rigidity when bent along the diagonal [µN·m]", 0.0, 1e4),
+    "friction_body": ("Friction on Body", "Coulomb coefficient against the avatar", 0.0, 2.0),
+    "friction_self": ("Friction on Cloth", "Coulomb coefficient against cloth", 0.0, 2.0),
+}
+"""Values of a fabric that an object may have of its own: label, meaning, limits."""
+
+
+def shown(name: str, value: float) -> float:
+    """Value of a fabric [SI] as the panel shows it: bending in micronewton metres."""
+    return value * 1e6 if name.startswith("bending") else value
+
+
+def _on_fabric(self: Any, context: Any) -> None:
+    """Take over the values of a preset that was chosen."""
+    for name in OWN_VALUES:
+        self[name] = shown(name, getattr(FABRICS[self.fabric], name))
+
+
+class TOILE_PG_object(bpy.types.PropertyGroup):
+    """What an object is to toile."""
+
+    __annotations__ = {
+        "role": EnumProperty(
+            name="Role", default="NONE",
+            items=[
+                ("NONE", "None", "Takes no part"),
+                ("AVATAR", "Avatar", "A body that garments are put on; it moves as it is animated"),
+                ("GARMENT", "Garment", "Cloth: modifiers above toile's feed it, those below refine it"),
+            ],
+        ),
+        "fabric": EnumProperty(
+            name="Fabric", default=DEFAULT_FABRIC, update=_on_fabric,
+            items=[(name, name.replace("-", " ").capitalize(), "") for name in FABRICS],
+        ),
+        "use_own_values": BoolProperty(name="Own Values", description="Change values of the fabric"),
+        **{
+            name: FloatProperty(
+                name=label, description=text, min=low, max=high, precision=3,
+                default=shown(name, getattr(FABRICS[DEFAULT_FABRIC], name)),
+            )
+            for name, (label, text, low, high) in OWN_VALUES.items()
+        },
+        "thickness": FloatProperty(
+            name="Thickness", description="Distance that layers keep; 0 is the fabric's own", min=0.0,
+            max=0.02,
+            subtype="DISTANCE", precision=4, step=0.01,
+        ),
+        "warp_map": StringProperty(name="Warp", description="UV map whose V axis is the warp"),
+        "pin_group": StringProperty(
+            name="Pins", description="Vertices of weight 0.5 and more go where the modifiers above take them"
+        ),
+        "use_sewing": BoolProperty(
+            name="Sew Loose Edges", default=True, description="Loose edges are stitches: they draw shut"
+        ),
+        "layer": IntProperty(name="Layer", description="From the body outwards", min=0, max=50),
+        "keep_topology": BoolProperty(
+            name="Keep My Topology", description="Show the original vertices on the simulated surface"
+        ),
+        "state": StringProperty(name="State"),
+    }  # fmt: skip
+
+
+class TOILE_PG_scene(bpy.types.PropertyGroup):
+    """How a scene is dressed."""
+
+    __annotations__ = {
+        "mode": EnumProperty(
+            name="Result", default="DRAPE",
+            items=[
+                ("DRAPE", "Drape", "Garments at rest on the body as it is in this frame"),
+                ("SIMULATE", "Simulate", "At rest in the first frame, then they follow the body"),
+            ],
+        ),
+        "frame_start": IntProperty(name="Start", default=1, description="First frame of a simulation"),
+        "frame_end": IntProperty(name="End", default=50, description="Last frame of a simulation"),
+        "quality": EnumProperty(
+            name="Quality", default="standard",
+            items=[(name, name.capitalize(), "") for name in ("preview", "standard", "accurate")],
+        ),
+        "use_remesh": BoolProperty(
+            name="Adaptive Mesh", default=True, description="Fine where cloth folds, coarse where it is flat"
+        ),
+        "size_min": FloatProperty(
+            name="Finest", description="Shortest edges; 0 is the quality's", min=0.0, max=1.0,
+            subtype="DISTANCE", precision=4, step=0.1,
+        ),
+        "size_max": FloatProperty(
+            name="Coarsest", description="Longest edges; 0 is twenty times the shortest", min=0.0, max=5.0,
+            subtype="DISTANCE", precision=3, step=1,
+        ),
+        "pattern": EnumProperty(
+            name="Pattern", default="tshirt",
+            items=[(name, name.replace("_", " ").capitalize(), "") for name in built_in_names()],
+        ),
+    }  # fmt: skip

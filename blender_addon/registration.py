@@ -1,0 +1,29 @@
+"""What the extension adds to Blender, and takes out again without a trace."""
+
+import bpy
+
+from toile.blender_addon import operators, panels
+from toile.blender_addon.properties import TOILE_PG_object, TOILE_PG_scene
+
+CLASSES = (TOILE_PG_object, TOILE_PG_scene, *operators.CLASSES, *panels.CLASSES)
+
+
+def register_all() -> None:
+    """Add everything."""
+    for added in CLASSES:
+        bpy.utils.register_class(added)
+    bpy.types.Object.toile = bpy.props.PointerProperty(type=TOILE_PG_object)
+    bpy.types.Scene.toile = bpy.props.PointerProperty(type=TOILE_PG_scene)
+    bpy.types.PHYSICS_PT_add.append(panels.draw_add)
+    bpy.app.handlers.load_pre.append(operators.stop)
+
+
+def unregister_all() -> None:
+    """Take it out again; a run in progress is stopped."""
+    operators.stop()
+    bpy.app.handlers.load_pre.remove(operators.stop)
+    bpy.types.PHYSICS_PT_add.remove(panels.draw_add)
+    del bpy.types.Scene.toile
+    del bpy.types.Object.toile
+    for added in reversed(CLASSES):
+        bpy.utils.unregister_class(added)

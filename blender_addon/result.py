@@ -1,0 +1,139 @@
+"""Frames on disk become what the object shows: through Blender's own modifiers, its mesh stays as it is."""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from toile.blender_addon.problem import Problem
+
+NAME = "toile"
+"""Name of the modifier that shows the frames."""
+PRIM = "/garment"
+REFINING = {
+    "SUBSURF",
+    "MULTIRES",
+    "SOLIDIFY",
+    "BEVEL",
+    "NODES",
+    "SMOOTH",
+    "CORRECTIVE_SMOOTH",
+    "WEIGHTED_NORMAL",
+}
+"""Modifiers that the cloth is refined by, and not made from."""
+
+
+def is_ours(modifier: Any) -> bool:
+    """Whether a modifier shows toile's frames."""
+    return modifier.name == NAME and modifier.type in ("MESH_SEQUENCE_CACHE", "MESH_CACHE")
+
+
+def our_modifier(obj: Any) -> Any:
+    """Return the modifier that shows the frames of an object, or None."""
+    return next((modifier for modifier in obj.modifiers if is_ours(modifier)), None)
+
+
+def show_frames(obj: Any, folder: str, stem: str, first_frame: int, sequence: bool) -> None:
+    """Let an object show the frames in its cache folder, which may still grow."""
+    if obj.toile.keep_topology:
+        modifier = _placed(obj, "MESH_CACHE")
+        modifier.cache_format = "PC2"
+        modifier.filepath = f"{folder}/{stem}.pc2"
+        modifier.frame_start = float(first_frame)
+    else:
+        modifier = _placed(obj, "MESH_SEQUENCE_CACHE")
+        name = f"{stem}_{first_frame:04d}.usdc" if sequence else f"{stem}.usdc"
+        if modifier.cache_file is None:
+            modifier.cache_file = _opened(f"{folder}/{name}")
+        # Setting the path makes Blender read the files anew.
+        modifier.cache_file.is_sequence = sequence
+        modifier.cache_file.filepath = f"{folder}/{name}"
+        modifier.object_path = PRIM
+        modifier.read_data = {"VERT", "POLY", "UV", "COLOR", "ATTRIBUTES"}
+    obj.update_tag()
+
+
+def remove_modifier(obj: Any) -> None:
+    """Let an object show its own mesh again."""
+    modifier = our_modifier(obj)
+    if modifier is not None:
+        cache = getattr(modifier, "cache_file", None)
+        obj.modifiers.remove(modifier)
+        if cache is not None and not bpy.data.user_map(subset={cache})[cache]:
+            bpy.data.batch_remove([cache])
+
+
+def forget_files(folder: str) -> None:
+    """Remove the frames of a cache folder, and the folder if it is empty then."""
+    path = Path(bpy.path.abspath(folder))
+    for pattern in ("*.usdc", "*.pc2", "toile.json"):
+        for file in path.glob(pattern):
+            file.unlink()
+    for place in (path, path.parent):
+        if place.is_dir() and not any(place.iterdir()):
+            place.rmdir()
+
+
+def made_real(obj: Any, context: Any) -> None:
+    """Make what an object shows in the present frame its mesh; modifiers below toile's stay."""
+    ours = our_modifier(obj)
+    if ours is None:
+        raise Problem(f"'{obj.name}' shows no frames of toile: dress it first")
+    index = list(obj.modifiers).index(ours)
+    above, below = list(obj.modifiers)[:index], list(obj.modifiers)[index + 1 :]
+    off = [modifier for modifier in below if modifier.show_viewport]
+    for modifier in off:
+        modifier.show_viewport = False
+    depsgraph = context.evaluated_depsgraph_get()
+    holder = obj.evaluated_get(depsgraph)
+    mesh = bpy.data.meshes.new_from_object(holder, preserve_all_data_layers=True, depsgraph=depsgraph)
+    for modifier in off:
+        modifier.show_viewport = True
+    remove_modifier(obj)
+    for modifier in above:
+        obj.modifiers.remove(modifier)
+    mesh.name = obj.data.name
+    obj.data.use_fake_user = True
+    obj.data = mesh
+
+
+def select_faces(obj: Any, faces: tuple[int, ...]) -> None:
+    """Select polygons of an object's own mesh, and nothing else in it."""
+    mesh = obj.data
+    chosen = np.zeros(len(mesh.polygons), np.bool_)
+    chosen[[face for face in faces if face < len(chosen)]] = True
+    corners = np.repeat(chosen, [polygon.loop_total for polygon in mesh.polygons])
+    for elements, field in ((mesh.vertices, "vertex_index"), (mesh.edges, "edge_index")):
+        index = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get(field, index)
+        own = np.zeros(len(elements), np.bool_)
+        own[index[corners]] = True
+        elements.foreach_set("select", own)
+    mesh.polygons.foreach_set("select", chosen)
+    mesh.update()
+
+
+def _opened(path: str) -> Any:
+    """Return a new cache file of Blender."""
+    before = set(bpy.data.cache_files)
+    bpy.ops.cachefile.open(filepath=bpy.path.abspath(path), relative_path=True)
+    return (set(bpy.data.cache_files) - before).pop()
+
+
+def _placed(obj: Any, kind: str) -> Any:
+    """Return the object's modifier of that kind: behind what moves its mesh, before what refines it."""
+    modifier = our_modifier(obj)
+    if modifier is not None and modifier.type == kind:
+        return modifier
+    place = None if modifier is None else list(obj.modifiers).index(modifier)
+    remove_modifier(obj)
+    if place is None:
+        kinds = [entry.type for entry in obj.modifiers]
+        place = len(kinds)
+        while place and kinds[place - 1] in REFINING:
+            place -= 1
+    modifier = obj.modifiers.new(NAME, kind)
+    modifier.name = NAME
+    obj.modifiers.move(len(obj.modifiers) - 1, place)
+    return our_modifier(obj)

@@ -1,0 +1,187 @@
+"""A garment as arrays in an .npz file: what programs say about one that mesh files have no words for."""
+
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from toile.dress.garment_mesh import GarmentMesh
+from toile.dress.mesh_garment import garment_from_surface
+from toile.dress.surface import Surface
+from toile.dress.surface_check import check_vertex_numbers, checked_surface
+from toile.engine.origin import Origin
+from toile.engine.vertex_motion import VertexMotion
+from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.errors import InputError
+
+HELD = "held_"
+"""Begins the names of arrays of labelled vertices, such as held_lower_interface."""
+PLANE = 1e-3
+"""How far vertices of a piece may lie from a plane for it to count as flat fabric [m]."""
+SHAPES = {
+    "vertices": (None, 3), "faces": (None, 3), "uv": (None, 2), "uv_faces": (None, 3), "panel": (None,),
+    "polygon": (None,),
+    "pins": (None,), "stitches": (None, 2), "motion": (None, None, 3), "fps": (),
+}  # fmt: skip
+
+
+def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None) -> GarmentMesh:
+    """Return the garment of an .npz file [m], Y up.
+
+    Parameters
+    ----------
+    path
+        The file. It holds `vertices` (n, 3) and `faces` (t, 3), and perhaps: `uv` (p, 2) and `uv_faces`
+        (t, 3), texture vertices of one vertex each, the corners that results refer to (else they are the
+        vertices); `panel` (t,), a number for every face, the lines between which stay; `polygon` (t,), the
+        number of every face in the program it comes from; `pins` (n,), 1 for vertices held in place;
+        `stitches` (s, 2), pairs of vertices to be sewn together; `held_LABEL`, numbers of vertices on an edge
+        of that label; `motion` (k, n, 3) and `fps`, where pins go while the avatar moves.
+    name
+        Name of the garment.
+    edge_length
+        Edges much longer than this [m] are split; None keeps the triangles. Midpoints of sewn edges are sewn
+        to each other where both edges are split alike.
+
+    Raises
+    ------
+    InputError
+        If an array is missing or of another shape, and as for `read_mesh_garment`.
+    """
+    held = _read(path)
+    vertices, faces = held["vertices"].astype(np.float64), held["faces"].astype(np.int32)
+    check_vertex_numbers(path, faces, len(vertices), "export the garment again")
+    uv = held.get("uv", np.zeros((len(vertices), 2))).astype(np.float64)
+    uv_faces = held.get("uv_faces", faces).astype(np.int32)
+    corner_vertex = np.zeros(len(uv), np.int32)
+    corner_vertex[uv_faces] = faces
+    piece = _pieces(len(vertices), faces)[faces[:, 0]]
+    own = held.get("panel", np.zeros(len(faces))).astype(np.int32)
+    used, panel = np.unique(np.stack([piece, own], axis=1), axis=0, return_inverse=True)
+    surface = Surface(
+        positions=vertices, faces=faces, uv=uv, uv_faces=uv_faces, panel=panel.ravel().astype(np.int32),
+        panel_names=tuple(f"piece {number}" for number in range(len(used))),
+        file_face=held.get("polygon", np.arange(len(faces))).astype(np.int32),
+    )  # fmt: skip
+    mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
+    assert mesh.origin is not None
+    pinned = np.zeros(len(vertices), bool)
+    if "pins" in held:
+        pinned = held["pins"] > 0
+    labels = {key.removeprefix(HELD): held[key] for key in held if key.startswith(HELD)}
+    mesh = replace(
+        mesh,
+        pinned=_whole(mesh.origin, pinned[corner_vertex]),
+        held={key: _whole(mesh.origin, np.isin(corner_vertex, numbers)) for key, numbers in labels.items()},
+        motion=_motion(path, held, corner_vertex),
+    )
+    stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
+    return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Return the arrays of the file, their shapes checked."""
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            held = {name: data[name] for name in data.files}
+    except (OSError, ValueError, BadZipFile, KeyError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as .npz ({reason}); export the garment again") from None
+    for name in ("vertices", "faces"):
+        if name not in held:
+            raise InputError(f"{path}: lacks the array `{name}`; it has {', '.join(sorted(held)) or 'none'}")
+    if ("uv" in held) != ("uv_faces" in held):
+        raise InputError(f"{path}: `uv` and `uv_faces` belong together; give both or none")
+    for name, array in held.items():
+        wanted = (None,) if name.startswith(HELD) else SHAPES.get(name)
+        if wanted is None:
+            raise InputError(f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)} and {HELD}LABEL")
+        fits = len(wanted) == array.ndim and all(
+            want in (None, have) for want, have in zip(wanted, array.shape, strict=True)
+        )
+        if not fits or array.dtype.kind not in "biuf":
+            raise InputError(f"{path}: `{name}` must hold numbers of shape {wanted}, has {array.shape}")
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
+            raise InputError(f"{path}: `{name}` has NaN or infinite values; export the garment again")
+    if not len(held["faces"]):
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+    return held
+
+
+def _motion(path: Path, held: dict[str, Any], corner_vertex: Int) -> VertexMotion | None:
+    """Return where the corners go, or None."""
+    if "motion" not in held:
+        return None
+    if "fps" not in held or held["motion"].shape[1] != len(held["vertices"]) or len(held["motion"]) < 2:
+        raise InputError(f"{path}: `motion` needs `fps`, two frames at least, and a place for every vertex")
+    return VertexMotion(frames=held["motion"].astype(np.float32)[:, corner_vertex], fps=float(held["fps"]))
+
+
+def _pieces(count: int, faces: Int) -> Int:
+    """Return the number of the connected piece of every vertex, shape (n,)."""
+    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_array((np.ones(len(ends[0])), ends), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int32)
+
+
+def _whole(origin: Origin, marked: Bool) -> Int:
+    """Return the material vertices that lie between marked corners only."""
+    share = origin.at_vertices(marked.astype(np.float64))
+    return np.flatnonzero(share > 1.0 - 1e-9).astype(np.int32)
+
+
+def _sewn(path: Path, mesh: GarmentMesh, stitches: Int, corner_vertex: Int) -> GarmentMesh:
+    """Return the garment with pairs of the file's vertices stitched, and what lies between them alike."""
+    assert mesh.origin is not None
+    weights = mesh.origin.weights
+    at_vertex: dict[int, int] = {}
+    on_edge: dict[tuple[int, int], dict[float, int]] = {}
+    for number in range(len(mesh.positions)):
+        row = slice(weights.indptr[number], weights.indptr[number + 1])
+        corners, shares = corner_vertex[weights.indices[row]].tolist(), weights.data[row].tolist()
+        if len(corners) == 1:
+            at_vertex.setdefault(corners[0], number)
+        elif len(corners) == 2:
+            (a, share), (b, _) = sorted(zip(corners, shares, strict=True))
+            on_edge.setdefault((a, b), {}).setdefault(round(share, 6), number)
+    partners: dict[int, list[int]] = {}
+    for a, b in stitches.tolist():
+        if a not in at_vertex or b not in at_vertex:
+            raise InputError(f"{path}: a sewing edge ends at vertex {a if a not in at_vertex else b}, "
+                             "which has no face; remove it")  # fmt: skip
+        partners.setdefault(a, []).append(b)
+        partners.setdefault(b, []).append(a)
+    pairs = [(at_vertex[a], at_vertex[b]) for a, b in stitches.tolist()]
+    for (a, b), middles in on_edge.items():
+        for c, d in product(partners.get(a, ()), partners.get(b, ())):
+            other = on_edge.get((min(c, d), max(c, d)), {})
+            for share, number in middles.items():
+                across = other.get(share if c < d else round(1.0 - share, 6))
+                if across is not None and number < across:
+                    pairs.append((number, across))
+    new = np.array(sorted(set(pairs)), np.int32)
+    panel = np.zeros(len(mesh.positions), np.int32)
+    panel[mesh.faces] = mesh.panel[:, None]
+    sides, seam = np.unique(np.sort(panel[new], axis=1), axis=0, return_inverse=True)
+    first = len(mesh.seam_names)
+    names = tuple(f"{mesh.panel_names[a]} - {mesh.panel_names[b]}" for a, b in sides.tolist())
+    return replace(
+        mesh,
+        stitches=np.concatenate([mesh.stitches, new]).astype(np.int32),
+        seam=np.concatenate([mesh.seam, seam.ravel() + first]).astype(np.int32),
+        seam_names=(*mesh.seam_names, *names),
+        flat=all(_is_plane(mesh.positions[mesh.faces[mesh.panel == k].ravel()])
+                 for k in range(len(mesh.panel_names))),
+    )  # fmt: skip
+
+
+def _is_plane(points: Float) -> bool:
+    """Whether points, shape (n, 3), lie in a plane."""
+    away = points - points.mean(axis=0)
+    normal = np.linalg.svd(away.T @ away)[0][:, 2]
+    return bool(np.abs(away @ normal).max() < PLANE)

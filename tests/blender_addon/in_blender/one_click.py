@@ -1,0 +1,48 @@
+"""Dress the built-in mannequin by one click; import a pattern file."""
+
+import json
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import small_scene as small
+
+from toile.dress.mannequin import mannequin
+
+folder, pattern_file = Path(sys.argv[1]), sys.argv[2]
+small.empty_file(folder)
+form = mannequin()
+mesh = bpy.data.meshes.new("Body")
+mesh.from_pydata((form.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)).tolist(), [], form.faces.tolist())
+body = bpy.data.objects.new("Body", mesh)
+bpy.context.scene.collection.objects.link(body)
+bpy.context.view_layer.objects.active = body
+small.settings("DRAPE")
+bpy.context.scene.toile.size_min = 0.03
+answer = bpy.ops.toile.dress_body()
+garment = bpy.context.object
+dressed = small.shown(garment, 1)
+found = {
+    "answer": list(answer),
+    "role": body.toile.role,
+    "name": garment.name,
+    "state": garment.toile.state,
+    "report": json.loads((folder / "toile_scene" / garment.name / "toile.json").read_text())["report"],
+    "loose": sum(edge.is_loose for edge in garment.data.edges),
+    "groups": [group.name for group in garment.vertex_groups],
+    "uv": [layer.name for layer in dressed.uv_layers],
+    "low": small.points(dressed).min(axis=0).tolist(),
+    "high": small.points(dressed).max(axis=0).tolist(),
+}
+bpy.ops.toile.import_pattern(filepath=pattern_file)
+imported = bpy.context.object
+found["imported"] = {
+    "name": imported.name, "layer": imported.toile.layer, "role": imported.toile.role,
+    "panels": len(np.unique(small.values(imported.data, "panel", "value"))),
+    "loose": sum(edge.is_loose for edge in imported.data.edges),
+}  # fmt: skip
+import toile.blender_addon
+
+toile.blender_addon.unregister()
+print(json.dumps(found))
