@@ -128,6 +128,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         action=argparse.BooleanOptionalAction,
         help="let the mesh adapt to the folds (default), or keep it as it is",
     )
+    dress.add_argument(
+        "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
+        help="wind [m/s], Y up, on garments that follow a BODY that moves; 0 0 0 is still air",
+    )  # fmt: skip
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -198,6 +202,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
     """Return the scene of a file, of the options, or of a file with options that win over it."""
     from dataclasses import replace
 
+    from toile.dress.air import Air
     from toile.dress.scene import AvatarFile, Garment, Scene
     from toile.dress.scene_file import load_scene
 
@@ -211,10 +216,11 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up, fps=options.fps)
     garments = tuple(Garment(source) for source in options.garment)
+    wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:
             raise InputError("nothing to dress: give --garment FILE|NAME or a scene file")
-        return Scene(garments=garments, **given)
+        return Scene(garments=garments, air=None if wind is None else Air(velocity=wind), **given)
     if options.scene.suffix.lower() != ".toml":
         raise InputError(f"{options.scene}: a scene file ends in .toml; garments are given with --garment")
     scene = load_scene(options.scene)
@@ -222,6 +228,8 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
     if garments:
         given["garments"] = garments
+    if wind is not None:
+        given["air"] = replace(scene.air or Air(), velocity=wind)
     return replace(scene, **given)
 
 

@@ -105,6 +105,8 @@ def _finished(
     """Let hung garments follow their avatar, if it moves; write what is left to write."""
     status, report, avatar, garments = hung.drape.status, hung.report, hung.avatar, hung.garments
     failure = hung.drape.failure
+    if scene.air is not None and avatar.motion is None and say is not None:
+        say("air acts on garments that follow a body in motion; this one stands still")
     if avatar.motion is not None and status in FOLLOWS:
         from toile.dress.follow import follow, write_film
 
@@ -113,7 +115,8 @@ def _finished(
             checkpoint.hung(hung)
         quality, avatar_fps = quality_preset(scene.quality), avatar.motion.fps
         followed = follow(
-            avatar, hung.drape, garments, _sizing(scene), folder,
+            avatar, hung.drape, garments, _sizing(scene),
+            None if scene.air is None else scene.air.flow(), folder,
             _frame_callback(progress, quality.tolerance),
             (lambda _: None) if checkpoint is None else checkpoint.frame, record or (lambda *_: None), state,
         )  # fmt: skip

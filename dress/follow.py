@@ -17,6 +17,7 @@ from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.engine.cloth import Cloth
 from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
+from toile.engine.forces.wind import AirFlow
 from toile.engine.simulate import Simulation
 from toile.engine.step_request import StageClock
 from toile.remesh.sizing import SizingOptions
@@ -64,8 +65,8 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
 
 def follow(
     avatar: Avatar, drape: DrapeOutcome, garments: tuple[DressedGarment, ...], sizing: SizingOptions | None,
-    folder: Path | None, on_frame: Callable[[FrameState], bool], keep: Callable[[FilmState], None],
-    record: Record, state: FilmState | None = None,
+    air: AirFlow | None, folder: Path | None, on_frame: Callable[[FrameState], bool],
+    keep: Callable[[FilmState], None], record: Record, state: FilmState | None = None,
 ) -> Followed:  # fmt: skip
     """Let draped garments follow their avatar's motion.
 
@@ -77,6 +78,8 @@ def follow(
         How the garments hang at its first frame.
     sizing
         How the mesh adapts, or None.
+    air
+        Air around the garments, or None.
     folder
         Where a PLY per frame goes of every garment, and of the body as cloth met it [m, Y up], or None.
     on_frame
@@ -95,7 +98,7 @@ def follow(
     latest, skin = garments, avatar.vertices
     last = len(motion.frames) - 1
     plan = FilmPlan(
-        step=drape.step, frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
+        step=replace(drape.step, air=air), frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
     )  # fmt: skip
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
+from toile.dress.air import Air
 from toile.dress.avatar import Avatar
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.quality import quality_preset
@@ -113,6 +114,8 @@ class Scene:
         Coulomb coefficients of pairs, by the names of two fabrics that are worn, or of one and "body": say,
         {("denim-12oz", "body"): 0.5}. Else each fabric has its own on the body and on itself, and two fabrics
         have the geometric mean of theirs.
+    air
+        Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
     threads
         Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
         neither the result nor the speed depends on it yet.
@@ -129,6 +132,7 @@ class Scene:
     gravity: float = 9.81
     friction: float | None = None
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    air: Air | None = None
     threads: int = 1
 
     def __post_init__(self) -> None:

@@ -32,6 +32,7 @@ from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
+from toile.dress.air import Air
 from toile.dress.fabrics import checked_fabric, fabrics, invalid_field
 from toile.dress.quality import quality_preset
 from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
@@ -51,6 +52,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
+        "air": (dict, "table: air that resists and blows as garments follow a body that moves"),
         "threads": (int, "threads to use, default 1; the result does not depend on it"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body; without it the built-in mannequin"),
@@ -64,6 +66,12 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "refine_velocity": (NUMBER, "change of velocity along an edge [m/s]"),
         "refine_compression": (NUMBER, "edge length over the inverse root of compression [m]"),
         "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
+    },
+    "air": {
+        "velocity": (list, "mean wind [m/s], x, y, z with Y up, default still: [0, 0, 0]"),
+        "gusts": (NUMBER, "standard deviation of gusts over the mean speed, default 0"),
+        "eddies": (NUMBER, "size of gusts [m], default 2"),
+        "seed": (int, "which gusts, default 0"),
     },
     "avatar": {
         "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz, animated .glb or folder of meshes"),
@@ -161,6 +169,7 @@ class _SceneReader:
                 fabric=data.get("default_fabric"),
                 fabrics=own,
                 remesh=self._remesh(data.get("remesh", True), data),
+                air=self._air(data["air"]) if "air" in data else None,
                 **plain,
             )
         except InputError as error:
@@ -198,6 +207,14 @@ class _SceneReader:
         except InputError as error:
             key = str(error).split()[0]
             raise self._error(("remesh", key) if key in values else ("remesh",), str(error)) from None
+
+    def _air(self, values: dict[str, Any]) -> Air:
+        """Return the air of the [air] table."""
+        self._check_keys(values, "air", ("air",))
+        try:
+            return Air(**values)
+        except InputError as error:
+            raise self._error(("air", str(error).split()[0]), str(error)) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
         """Return the error with file and line in front."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from toile.dress.air import Air
     from toile.dress.avatar import Avatar, load_avatar
     from toile.dress.batch.batch import JobResult, batch
     from toile.dress.batch.batch_stopped import BatchStopped
@@ -39,6 +40,7 @@ if not (Path(__file__).parent / "geometry").is_dir():
     )
 
 _HOME = {
+    "Air": "toile.dress.air",
     "Avatar": "toile.dress.avatar",
     "AvatarFile": "toile.dress.scene",
     "BatchStopped": "toile.dress.batch.batch_stopped",
@@ -66,6 +68,7 @@ _HOME = {
 """Public name to the module that defines it."""
 
 __all__ = [
+    "Air",
     "Avatar",
     "AvatarFile",
     "BatchStopped",

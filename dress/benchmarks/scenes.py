@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
+from toile.dress.air import plate_resistance
 from toile.dress.assemble_cloth import assemble_cloth
 from toile.dress.fabrics import fabric
 from toile.dress.garment_mesh import GarmentMesh
@@ -22,8 +23,6 @@ from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.panel_mesh import triangulate_panel
 
 GRAVITY = 9.81
-AIR_DENSITY = 1.2
-DRAG_COEFFICIENT = 1.0
 SPHERE_RADIUS = 0.25
 DROP = 0.05
 FLAG_WIND = 10.0
@@ -69,7 +68,7 @@ def flag(edge: float) -> BenchmarkScene:
     cloth = sheet(flat, faces, positions, flat[:, 0] < 1e-9)
     angle = np.radians(5.0)
     wind = (FLAG_WIND * float(np.cos(angle)), 0.0, FLAG_WIND * float(np.sin(angle)))
-    air = AirFlow(velocity=wind, resistance=_resistance(FLAG_WIND))
+    air = AirFlow(velocity=wind, resistance=plate_resistance(FLAG_WIND))
     plan = replace(film_plan(air), remesh_frames=8)
     return BenchmarkScene(cloth, None, plan, 2.0)
 
@@ -84,7 +83,7 @@ def hang(edge: float) -> BenchmarkScene:
     positions = np.column_stack((flat[:, 0], np.zeros(len(flat)), 1.0 - flat[:, 1]))
     corner = (flat[:, 1] > 1.0 - 1e-9) & ((flat[:, 0] < 1e-9) | (flat[:, 0] > 1.0 - 1e-9))
     cloth = sheet(flat, faces, positions, corner)
-    air = AirFlow(velocity=(0.0, 0.0, 0.0), resistance=_resistance(1.0))
+    air = AirFlow(velocity=(0.0, 0.0, 0.0), resistance=plate_resistance(1.0))
     plan = replace(film_plan(air), remesh_frames=3)
     return BenchmarkScene(cloth, None, plan, 2.0)
 
@@ -103,11 +102,6 @@ def film_plan(air: AirFlow | None = None) -> FilmPlan:
             self_contact=True, air=air,
         )
     )  # fmt: skip
-
-
-def _resistance(speed: float) -> float:
-    """Linear resistance [N s/m^3] that equals the pressure drag of a plate at `speed` [m/s]."""
-    return 0.5 * AIR_DENSITY * DRAG_COEFFICIENT * speed
 
 
 def rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:

@@ -33,7 +33,7 @@ def wring() -> StressScene:
     y = np.cos(turn) * start[:, 1] - np.sin(turn) * start[:, 2]
     z = np.sin(turn) * start[:, 1] + np.cos(turn) * start[:, 2]
     x = side * 0.5 * (length - 0.2 * time)
-    return _pulled(cloth, edge, np.stack((x, y, z), axis=2), limit=300.0)
+    return _pulled(cloth, edge, np.stack((x, y, z), axis=2), limit=450.0)
 
 
 def funnel() -> StressScene:

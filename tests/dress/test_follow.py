@@ -1,11 +1,13 @@
 """A shirt follows a mannequin that walks off: frames on disk, a break in between, the same bytes."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from toile.dress.air import Air
 from toile.dress.cli import main
 from toile.dress.dress import dress, resume
 from toile.dress.mannequin import mannequin
@@ -95,6 +97,18 @@ def test_a_run_broken_off_while_it_hangs_starts_over(scene: Scene, whole: Path, 
     assert not (tmp_path / "frames").exists()
     resume(tmp_path)
     assert frames(tmp_path) == frames(whole)
+
+
+def test_wind_moves_what_follows(scene: Scene, whole: Path, tmp_path: Path) -> None:
+    """A gale from the front presses the shirt's back hem away from the body."""
+    result = dress(replace(scene, air=Air(velocity=(0.0, 0.0, -30.0), gusts=0.1)), tmp_path)
+    assert result.report["animation"]["intersections_max"] == 0
+    still = read_own_ply(whole / "frames" / f"tshirt.{FRAMES - 1:04d}.ply").positions
+    blown = result.garments[0].positions
+    low = [points[points[:, 1] < np.quantile(points[:, 1], 0.2)] for points in (still, blown)]
+    assert low[1][:, 2].min() < low[0][:, 2].min() - 0.01
+    first = [(folder / "frames" / "tshirt.0000.ply").read_bytes() for folder in (whole, tmp_path)]
+    assert first[0] == first[1]
 
 
 def test_bad_input_leaves_a_run_that_can_be_taken_up(tmp_path: Path) -> None:

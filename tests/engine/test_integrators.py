@@ -230,6 +230,7 @@ def test_step_sizes_follow_the_error() -> None:
     assert control.newton.tolerance == pytest.approx(1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:(invalid|overflow) value:RuntimeWarning")
 def test_explosion_is_said() -> None:
     dynamics, start = oscillator(hertz=1000.0)
     with pytest.raises(FloatingPointError, match="not finite"):

@@ -1,0 +1,67 @@
+"""The air around garments that follow a body: still, a wind, gusts."""
+
+import math
+from dataclasses import dataclass
+
+from toile.engine.forces.gusts import Gusts
+from toile.engine.forces.wind import AirFlow
+from toile.geometry.errors import InputError
+
+DENSITY, DRAG_COEFFICIENT = 1.2, 1.0
+"""Of air [kg/m^3], and of a plate across the flow."""
+LEAST_SPEED = 1.0
+"""Speed for which still air resists [m/s]: about that of a body that walks."""
+FASTEST = 60.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Air:
+    """Air that resists cloth in motion, and may blow.
+
+    Attributes
+    ----------
+    velocity
+        Mean wind [m/s], x, y, z of a scene with Y up; zero is still air.
+    gusts
+        Standard deviation of the gusts over the mean speed, 0 to 1; outdoors 0.1 to 0.2.
+    eddies
+        Size of the gusts [m].
+    seed
+        Which of all gusts of that kind.
+
+    Raises InputError naming the field that is at fault.
+    """
+
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    gusts: float = 0.0
+    eddies: float = 2.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        wind = self.velocity
+        numbers = isinstance(wind, list | tuple) and len(wind) == 3 and all(map(_is_number, wind))
+        if not numbers or math.hypot(*wind) > FASTEST:
+            raise InputError(f"velocity of air must be three numbers, up to {FASTEST:g} m/s, got {wind!r}")
+        object.__setattr__(self, "velocity", tuple(float(part) for part in wind))
+        if not _is_number(self.gusts) or not 0.0 <= self.gusts <= 1.0:
+            raise InputError(f"gusts of air must lie between 0 and 1, got {self.gusts!r}")
+        if not _is_number(self.eddies) or not self.eddies > 0.0:
+            raise InputError(f"eddies of air must be longer than 0 m, got {self.eddies!r}")
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise InputError(f"seed of air must be a whole number from 0, got {self.seed!r}")
+
+    def flow(self) -> AirFlow:
+        """Return it as the engine takes it."""
+        gusts = Gusts(intensity=self.gusts, length=self.eddies, seed=self.seed) if self.gusts else None
+        speed = max(math.hypot(*self.velocity), LEAST_SPEED)
+        return AirFlow(velocity=self.velocity, resistance=plate_resistance(speed), gusts=gusts)
+
+
+def plate_resistance(speed: float) -> float:
+    """Linear resistance [N s/m^3] that equals the pressure drag of a plate at `speed` [m/s]."""
+    return 0.5 * DENSITY * DRAG_COEFFICIENT * speed
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
