@@ -11,6 +11,7 @@ from toile.dress.cli_batch import add_batch
 from toile.dress.cli_bench import add_bench, add_stress
 from toile.dress.cli_measure import add_measure
 from toile.dress.cli_parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser
+from toile.dress.cli_validate import add_validate
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ def _parser() -> argparse.ArgumentParser:
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
+    add_validate(commands)
     return parser
 
 

@@ -18,9 +18,16 @@ MUST_BE_POSITIVE = frozenset({"areal_density", "thickness", "stretch_warp", "str
 @cache
 def fabrics() -> dict[str, Fabric]:
     """Return all presets by name, in the order of fabrics.csv (where the sources are)."""
-    lines = (Path(__file__).resolve().parent / "fabrics.csv").read_text(encoding="utf-8").splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return {row["name"]: _from_row(row) for row in rows}
+    return {row["name"]: _from_row(row) for row in _rows()}
+
+
+def drape_bands() -> dict[str, tuple[float, float]]:
+    """Return the measured range of the Cusick drape coefficient [%] of the presets that have one, by name."""
+    return {
+        row["name"]: (float(row["DC_low"]), float(row["DC_high"]))
+        for row in _rows()
+        if row["DC_low"] and row["DC_high"]
+    }
 
 
 def fabric(name: str) -> Fabric:
@@ -78,6 +85,12 @@ def fabric_table() -> str:
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
     ]
     return "\n".join([*lines, "", "* used where no fabric is named; own fabrics go into a scene file"])
+
+
+def _rows() -> list[dict[str, str]]:
+    """Return the lines of fabrics.csv by column."""
+    lines = (Path(__file__).resolve().parent / "fabrics.csv").read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def _from_row(row: dict[str, str]) -> Fabric:

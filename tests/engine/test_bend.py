@@ -5,30 +5,12 @@ import pytest
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
-from tests.engine.meshes import KINDS, mesh
+from toile.dress.benchmarks.flat_meshes import KINDS, mesh
+from toile.dress.benchmarks.validate_curvature import EDGE, bending_of, rigidity_when_rolled, rolled
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.bend import Bending, bending_tensor
 from toile.geometry.arrays import Float, Int
-
-AREA = 1.0
-EDGE = 0.06
-RADIUS = 1.0  # kappa h = 0.06
-
-
-def bending_of(
-    points: Float, faces: Int, rigidity: tuple[float, float, float], poisson: float = 0.0
-) -> Bending:
-    ones = np.ones(len(faces))
-    tensor = bending_tensor(rigidity[0] * ones, rigidity[1] * ones, rigidity[2] * ones, poisson)
-    return Bending(faces, np.ascontiguousarray(points[faces]), tensor, len(points))
-
-
-def rolled(points: Float, angle: float, radius: float = RADIUS) -> Float:
-    """Positions of the sheet rolled, without stretch, around an axis; it bends along `angle` from warp."""
-    along = points @ (np.cos(angle), np.sin(angle))
-    across = points @ (-np.sin(angle), np.cos(angle))
-    return np.column_stack((radius * np.sin(along / radius), radius * np.cos(along / radius), across))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -37,7 +19,7 @@ def test_a_rolled_sheet_has_the_fabrics_rigidity_in_every_direction(kind: str) -
     points, faces = mesh(kind, 1.0, 1.0, EDGE)
     bending = bending_of(points, faces, (1.0, 1.0, 1.0), 0.3)
     for degrees in range(0, 180, 15):
-        found = bending.energy(rolled(points, np.radians(degrees))) * 2 * RADIUS**2 / AREA
+        found = rigidity_when_rolled(bending, points, degrees)
         assert found == pytest.approx(1.0, abs=0.005), degrees
 
 
@@ -52,7 +34,7 @@ def test_twist_and_saddle_show_the_poisson_ratio(kind: str) -> None:
         (0.5 * (u * u + v * v), 2.6),
     ):
         x = np.column_stack((points, height))
-        assert 2 * bending.energy(x) / AREA == pytest.approx(exact, abs=1e-9)
+        assert 2 * bending.energy(x) == pytest.approx(exact, abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -61,7 +43,7 @@ def test_an_orthotropic_sheet_has_its_three_rigidities(kind: str) -> None:
     rigidity = (12e-6, 5e-6, 7e-6)
     bending = bending_of(points, faces, rigidity)
     for degrees, expected in zip((0, 90, 45, 135), (*rigidity, rigidity[2]), strict=True):
-        found = bending.energy(rolled(points, np.radians(degrees))) * 2 * RADIUS**2 / AREA
+        found = rigidity_when_rolled(bending, points, degrees)
         assert found == pytest.approx(expected, rel=0.005)
 
 

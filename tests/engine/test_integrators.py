@@ -1,12 +1,12 @@
 """Integrators: order, damping, stability, conservation, energy, on known systems and on cloth."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from toile.dress.benchmarks.free_flight import spin, thrown
 from toile.dress.benchmarks.oscillators import (
     EXACT,
     loss_per_second,
@@ -15,8 +15,6 @@ from toile.dress.benchmarks.oscillators import (
     spring_pendulum,
 )
 from toile.dress.benchmarks.swing import rms_distance, swing
-from toile.dress.fabrics import fabric
-from toile.engine.dynamics import Dynamics
 from toile.engine.forces.wind import AirFlow
 from toile.engine.integrators.advance import ErrorControl, advance, advance_within
 from toile.engine.integrators.backward_euler import BackwardEuler
@@ -28,7 +26,6 @@ from toile.engine.integrators.newton import NewtonOptions
 from toile.engine.integrators.stages import GAMMA, bdf2_stage, tr_bdf2_stage
 from toile.engine.integrators.symplectic_euler import SymplecticEuler
 from toile.engine.integrators.tr_bdf2 import TrBdf2
-from toile.engine.spring_cloth import grid_springs, spring_dynamics
 from toile.engine.triangle_dynamics import triangle_dynamics
 
 IMPLICIT: list[Integrator] = [
@@ -116,19 +113,6 @@ def test_stages_hit_quadratic_motion_exactly() -> None:
     assert stage.acceleration_at(at[1.4]) == pytest.approx(np.full((1, 3), 2.0))
 
 
-def thrown(model: str) -> tuple[Dynamics, Motion]:
-    """A crumpled sheet in free flight: no weight, no pins, no damping."""
-    cloth = swing(6)
-    free = np.zeros(len(cloth.positions), bool)
-    generator = np.random.default_rng(2)
-    x = cloth.positions + 0.01 * generator.normal(size=cloth.positions.shape)
-    v = np.cross([0.5, 1.0, -2.0], x) + [1.0, -0.5, 2.0] + 0.1 * generator.normal(size=x.shape)
-    if model == "springs":
-        net = grid_springs(1.0, 1.0, 6, 6, fabric("cotton-poplin"))
-        return spring_dynamics(net, free, gravity=0.0), Motion(x, v)
-    return triangle_dynamics(replace(cloth, pinned=free), gravity=0.0), Motion(x, v)
-
-
 @pytest.mark.parametrize("model", ["springs", "triangles"])
 @pytest.mark.parametrize("integrator", ALL, ids=named)
 def test_linear_momentum_is_kept_in_free_flight(integrator: Integrator, model: str) -> None:
@@ -137,13 +121,6 @@ def test_linear_momentum_is_kept_in_free_flight(integrator: Integrator, model: s
     h = 1e-5 if isinstance(integrator, ExplicitEuler | SymplecticEuler) else 5e-3
     motion = advance(integrator, dynamics, motion, 20 * h, h).motion
     assert dynamics.mass @ motion.velocities == pytest.approx(before, abs=1e-9)
-
-
-def spin(dynamics: Dynamics, motion: Motion) -> float:
-    """Size of the angular momentum [kg m^2/s]."""
-    return float(
-        np.linalg.norm((dynamics.mass[:, None] * np.cross(motion.positions, motion.velocities)).sum(axis=0))
-    )
 
 
 def test_symplectic_euler_keeps_angular_momentum_and_second_order_loses_little() -> None:

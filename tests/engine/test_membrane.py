@@ -2,20 +2,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.engine.meshes import KINDS, mesh
-from tests.engine.strip import PAIRS
+from toile.dress.benchmarks.flat_meshes import KINDS, mesh
+from toile.dress.benchmarks.heavy_strip import PAIRS
+from toile.dress.benchmarks.validate_patch import SHEAR, WARP, WEFT, membrane_of
 from toile.engine.forces.membrane import Membrane
-from toile.geometry.arrays import Float, Int, as_positions
+from toile.geometry.arrays import Float, as_positions
 from toile.geometry.topology import triangle_topology
 
 REST = np.array([[[0.1, 0.0], [1.1, 0.3], [0.4, 0.9]]])
 FACE = np.array([[0, 1, 2]], np.int32)
-WARP, WEFT, SHEAR = 3000.0, 1200.0, 400.0
-
-
-def membrane_of(faces: Int, rest: Float) -> Membrane:
-    ones = np.ones(len(faces))
-    return Membrane(faces, np.ascontiguousarray(rest), WARP * ones, WEFT * ones, SHEAR * ones)
 
 
 def full_hessian(membrane: Membrane) -> Float:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.engine.meshes import mesh
 from toile.collide.search import ContactSearch
+from toile.dress.benchmarks.flat_meshes import mesh
 from toile.engine import cloth_run, step
 from toile.engine.cloth import Cloth
 from toile.engine.drape import Drape

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.engine.meshes import mesh
 from toile.collide.audit import Auditor
 from toile.collide.search import AvatarSurface
+from toile.dress.benchmarks.flat_meshes import mesh
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.fabric import Fabric

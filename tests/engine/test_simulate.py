@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.engine.meshes import right_grid
 from tests.engine.test_only_what_is_asked import GRAVITY, SLACK, forbidden, options, sheet
+from toile.dress.benchmarks.flat_meshes import right_grid
 from toile.engine.cloth import Cloth
 from toile.engine.film_integrators import FilmIntegrator, backward_euler, tr_bdf2
 from toile.engine.film_plan import FilmFrame, FilmPlan

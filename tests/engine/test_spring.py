@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.engine.meshes import KINDS, mesh
+from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.dress.fabrics import fabric
 from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians, to_dense
 from toile.engine.forces.gusts import Gusts

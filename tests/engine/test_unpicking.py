@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.engine.meshes import mesh
 from tests.engine.test_growing import KNIT
 from tests.engine.test_only_what_is_asked import options, sheet
+from toile.dress.benchmarks.flat_meshes import mesh
 from toile.engine.cloth import Cloth
 from toile.engine.drape import Drape
 from toile.engine.drape_plan import DrapePlan, Frame

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.engine.meshes import KINDS, mesh
+from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.geometry.arrays import Float, Int
 from toile.geometry.patch import Patches, bending_patches
 from toile.geometry.topology import triangle_topology

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.engine.meshes import KINDS, mesh
+from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.geometry.topology import triangle_topology
 
 
