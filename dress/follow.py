@@ -16,6 +16,7 @@ from toile.dress.result import DressedGarment, Record, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.engine.cloth import Cloth
+from toile.engine.film_integrators import tr_bdf2
 from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
 from toile.engine.forces.wind import AirFlow
 from toile.engine.simulate import Simulation
@@ -25,6 +26,8 @@ from toile.remesh.sizing import SizingOptions
 FRAMES = "frames"
 """Name of the folder of frames in the output folder."""
 BODY_NAME = "body"
+LONGEST_STEP = 1.0 / 60.0
+"""Time steps at most [s], of two stages each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +101,8 @@ def follow(
     latest, skin = garments, avatar.vertices
     last = len(motion.frames) - 1
     plan = FilmPlan(
-        step=replace(drape.step, air=air), frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
+        integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=air),
+        frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
     )  # fmt: skip
 
