@@ -58,12 +58,14 @@ def _run_stress(options: argparse.Namespace) -> int:
 
     _check_names("case", options.case, STRESS_CASES)
     pictures = None if options.pictures is None else writable_folder(options.pictures)
-    rows = run_stress(
-        options.case or list(STRESS_CASES),
-        lambda row: say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s"),
-        pictures,
-    )
-    _store(rows, options.json)
+    done: list[StressRow] = []
+
+    def keep(row: "StressRow") -> None:
+        done.append(row)
+        _store(done, options.json)
+        say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s")
+
+    rows = run_stress(options.case or list(STRESS_CASES), keep, pictures)
     print(stress_table(rows))
     return MISSED if any(row.fell_short for row in rows) else DONE
 
