@@ -1,5 +1,6 @@
 """The operators `toile.*`. Each works without an event loop; with one, those that take long are modal."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,8 @@ class _Runs:
     """An operator whose work is done in steps: at once by `execute`, beside Blender's own by `invoke`."""
 
     _timer: Any = None
-
-    def steps(self, context: Any) -> Steps:
-        """Return the work."""
-        raise NotImplementedError
+    steps: Callable[[Any], Steps]
+    """Returns the work, in a context; every operator has its own."""
 
     @classmethod
     def poll(cls, context: Any) -> bool:

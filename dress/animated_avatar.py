@@ -3,7 +3,6 @@
 import re
 from dataclasses import replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +12,7 @@ from toile.dress.animated_gltf import read_animated_gltf
 from toile.dress.avatar import FORMATS, Avatar, avatar_of, checked_frame_words, read_triangles
 from toile.dress.avatar_units import upright
 from toile.dress.gltf_file import has_animation
+from toile.dress.npz_file import npz_arrays
 from toile.dress.surface_check import check_vertex_numbers
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
@@ -87,12 +87,7 @@ def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
     """Vertices over time in file units, faces and frames per second of an .npz file."""
     if not path.is_file():
         raise InputError(f"{path}: avatar file not found; check the path")
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            held = {name: data[name] for name in data.files}
-    except (OSError, ValueError, BadZipFile, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .npz ({reason}); export the motion again") from None
+    held = npz_arrays(path, "the motion")
     name = next((key for key in ("vertices", "positions") if key in held), None)
     if name is None or "faces" not in held:
         raise InputError(

@@ -47,7 +47,10 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
             [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
         )
 
-    origin = _origin([mesh for mesh, _ in garments])
+    origin = Origin.together(
+        [mesh.origin for mesh, _ in garments],
+        [(len(mesh.positions), len(mesh.faces)) for mesh, _ in garments],
+    )
     return Cloth(
         positions=positions,
         velocities=np.zeros_like(positions),
@@ -92,15 +95,6 @@ def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion
         for mesh, count in zip(meshes, np.diff(origin.first).tolist(), strict=True)
     ]
     return VertexMotion(frames=np.concatenate(parts, axis=1), fps=moving[0].fps)
-
-
-def _origin(meshes: list[GarmentMesh]) -> Origin | None:
-    """Return where the garments come from, or None if none of them was read from a file that says so."""
-    if all(mesh.origin is None for mesh in meshes):
-        return None
-    return Origin.together(
-        [mesh.origin or Origin.unknown(len(mesh.positions), len(mesh.faces)) for mesh in meshes]
-    )
 
 
 def _handles(origin: Origin | None, pinned: Bool, meshes: list[GarmentMesh]) -> csr_array | None:

@@ -4,7 +4,6 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -12,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mesh_garment import garment_from_surface
+from toile.dress.npz_file import npz_arrays
 from toile.dress.surface import Surface
 from toile.dress.surface_check import check_vertex_numbers, checked_surface
 from toile.engine.origin import Origin
@@ -86,12 +86,7 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
 
 def _read(path: Path) -> dict[str, Any]:
     """Return the arrays of the file, their shapes checked."""
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            held = {name: data[name] for name in data.files}
-    except (OSError, ValueError, BadZipFile, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .npz ({reason}); export the garment again") from None
+    held = npz_arrays(path, "the garment")
     for name in ("vertices", "faces"):
         if name not in held:
             raise InputError(f"{path}: lacks the array `{name}`; it has {', '.join(sorted(held)) or 'none'}")

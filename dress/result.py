@@ -96,8 +96,6 @@ Record = Callable[[int, tuple[DressedGarment, ...]], None]
 
 def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ...]) -> list[Path]:
     """Write dressed.glb, preview.png and a PLY and OBJ per garment; return their paths."""
-    from toile.dress.preview import PreviewMesh, render
-
     written = [write_atomic(folder / "dressed.glb", dressed_glb(avatar, garments))]
     for garment in garments:
         positions = avatar.to_source(garment.positions)
@@ -115,6 +113,19 @@ def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ..
             panel_names=garment.panel_names,
         )
         written.append(write_atomic(folder / f"{stem}.obj", content))
+    written.append(write_atomic(folder / "preview.png", dressed_png(avatar, garments)))
+    return written
+
+
+def save_report(folder: Path, report: dict[str, Any]) -> Path:
+    """Write report.json and return its path."""
+    return write_atomic(folder / "report.json", report_bytes(report))
+
+
+def dressed_png(avatar: Avatar, garments: tuple[DressedGarment, ...]) -> bytes:
+    """Return a PNG of the body in its garments."""
+    from toile.dress.preview import PreviewMesh, render
+
     meshes = [PreviewMesh(positions=avatar.vertices, faces=avatar.faces, colour=BODY)]
     meshes += [
         PreviewMesh(
@@ -125,13 +136,7 @@ def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ..
         )
         for index, garment in enumerate(garments)
     ]
-    written.append(write_atomic(folder / "preview.png", png_bytes(render(meshes))))
-    return written
-
-
-def save_report(folder: Path, report: dict[str, Any]) -> Path:
-    """Write report.json and return its path."""
-    return write_atomic(folder / "report.json", report_bytes(report))
+    return png_bytes(render(meshes))
 
 
 def dressed_glb(avatar: Avatar, garments: tuple[DressedGarment, ...]) -> bytes:

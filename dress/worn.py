@@ -76,17 +76,11 @@ def worn_together(garments: list[Cloth]) -> Cloth:
         pinned=np.concatenate([cloth.pinned for cloth in garments]),
         rest_curved=np.concatenate([cloth.rest_curved for cloth in garments]),
         start_positions=np.concatenate([cloth.start_positions for cloth in garments]),
-        origin=_origin(garments), handles=_handles(garments),
+        origin=Origin.together(
+            [cloth.origin for cloth in garments], [(len(cloth.node), len(cloth.faces)) for cloth in garments]
+        ),
+        handles=_handles(garments),
     )  # fmt: skip
-
-
-def _origin(garments: list[Cloth]) -> Origin | None:
-    """Return where garments come from together, or None if nobody asks."""
-    if all(cloth.origin is None for cloth in garments):
-        return None
-    return Origin.together(
-        [cloth.origin or Origin.unknown(len(cloth.node), len(cloth.faces)) for cloth in garments]
-    )
 
 
 def _handles(garments: list[Cloth]) -> csr_array | None:

@@ -37,8 +37,14 @@ class Origin:
         )  # fmt: skip
 
     @staticmethod
-    def together(parts: "Sequence[Origin]") -> "Origin":
-        """Return the origin of garments that become one cloth."""
+    def together(origins: "Sequence[Origin | None]", sizes: Sequence[tuple[int, int]]) -> "Origin | None":
+        """Return the origin of garments that become one cloth; None if none of them knows its own.
+
+        `sizes` are their numbers of material vertices and faces.
+        """
+        if all(origin is None for origin in origins):
+            return None
+        parts = [origin or Origin.unknown(*size) for origin, size in zip(origins, sizes, strict=True)]
         counts = np.concatenate([np.diff(part.first) for part in parts])
         return Origin(
             weights=csr_array(block_diag([part.weights for part in parts], format="csr")),

@@ -182,7 +182,7 @@ class ClothStepper:
         blunt, touched = self.memory.touched, np.zeros(len(self.x), bool)
         inertia = inertia_of(start, self.v, request.h, request.stage, blunt)
         ahead = request.h * self.v
-        place = self.x if request.at_rest else self._foreseen(request)
+        place = self._foreseen(request)
         if not request.at_rest:
             # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
             fall = request.h**2 * self.options.gravity * request.gravity
@@ -196,7 +196,6 @@ class ClothStepper:
             now = self.clock.now()
             if request.pin_target is not None and self.pinned is not None:
                 ahead[self.pinned] = (request.pin_target - start)[self.pinned]
-                place[self.pinned] = request.pin_target[self.pinned]
             if request.avatar_target is not None and self.avatar is not None:
                 avatar_ahead = request.avatar_target - self.avatar.vertices
             contacts = self.contacts(
@@ -266,7 +265,7 @@ class ClothStepper:
             last = float(np.abs(move).max())
             if last < request.newton_tolerance:
                 break
-            place = self.x.copy() if request.pin_target is not None else self.x
+            place = self._pins_at_target(self.x, request)
         if request.newton > 1:
             outcome.converged &= last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
@@ -276,17 +275,23 @@ class ClothStepper:
         return outcome
 
     def _foreseen(self, request: StepRequest) -> Float:
-        """Where forces of a step in motion are linearised [m], shape (n, 3).
+        """Where forces of a step are linearised [m], shape (n, 3); the nodes themselves where they are there.
 
         Backward Euler steps linearise where nodes are, as published: it takes energy from cloth that turns.
         Other stages do so where nodes will be, about: a memory of what was taken would add up.
         """
         if request.stage is None:
-            return self.x.copy()
+            return self._pins_at_target(self.x, request)
         there = self.x + request.h * self.v
         if self.pinned is not None:
             there[self.pinned] = self.x[self.pinned]
-        return np.asarray(there)
+        return self._pins_at_target(there, request)
+
+    def _pins_at_target(self, place: Float, request: StepRequest) -> Float:
+        """Return places of the nodes [m], shape (n, 3), with pins where they shall be, if they move."""
+        if request.pin_target is None or self.pinned is None:
+            return place
+        return np.where(self.pinned[:, None], request.pin_target, place)
 
     def _take_motion(self, start: Float, request: StepRequest, blunt: Bool, touched: Bool) -> None:
         """Take over velocities and accelerations of a step from `start` [m], shape (n, 3).

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 from toile.dress.benchmarks.flat_meshes import right_grid
-from toile.dress.benchmarks.scenes import GRAVITY, film_plan, rectangle, sheet
+from toile.dress.benchmarks.scenes import GRAVITY, film_plan, rectangle, sheet, surface_of
 from toile.dress.fabrics import fabric
 from toile.engine.assembly import scatter_gradients
 from toile.engine.cloth import Cloth
@@ -88,8 +88,7 @@ WEIGHT = 0.02
 
 def drum() -> tuple[Float, Int]:
     """Return the surface of a drum along z: vertices [m], shape (n, 3), and faces, shape (t, 3)."""
-    mesh = trimesh.creation.cylinder(radius=RADIUS, height=2.0 * WIDTH, sections=180)
-    return np.ascontiguousarray(mesh.vertices, np.float64), np.ascontiguousarray(mesh.faces, np.int32)
+    return surface_of(trimesh.creation.cylinder(radius=RADIUS, height=2.0 * WIDTH, sections=180))
 
 
 def belt(wrap: float, first: float | None, last: float, friction: float) -> Cloth:

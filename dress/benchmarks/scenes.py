@@ -44,10 +44,7 @@ def sphere(edge: float) -> BenchmarkScene:
     touches itself. Two seconds.
     """
     ball = trimesh.creation.icosphere(subdivisions=4, radius=SPHERE_RADIUS)
-    avatar = (
-        np.ascontiguousarray(ball.vertices, np.float64),
-        np.ascontiguousarray(ball.faces, np.int32),
-    )
+    avatar = surface_of(ball)
     flat, faces = rectangle(1.0, 1.0, edge)
     height = SPHERE_RADIUS + DROP
     positions = np.column_stack((flat[:, 0] - 0.5, np.full(len(flat), height), 0.5 - flat[:, 1]))
@@ -102,6 +99,11 @@ def film_plan(air: AirFlow | None = None) -> FilmPlan:
             self_contact=True, air=air,
         )
     )  # fmt: skip
+
+
+def surface_of(mesh: trimesh.Trimesh) -> tuple[Float, Int]:
+    """Return a mesh as the engine takes it: vertices [m], shape (v, 3), and faces, shape (t, 3)."""
+    return np.ascontiguousarray(mesh.vertices, np.float64), np.ascontiguousarray(mesh.faces, np.int32)
 
 
 def rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:

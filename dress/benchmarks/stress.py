@@ -12,7 +12,7 @@ from time import process_time
 import numpy as np
 
 from toile.dress.benchmarks.stress_dressed import DRESSED_CASES, run_dressed_case
-from toile.dress.benchmarks.stress_row import StressRow
+from toile.dress.benchmarks.stress_row import StressRow, outcome_of, picture_path
 from toile.dress.benchmarks.stress_scene import StressScene
 from toile.dress.benchmarks.stress_scenes import STRESS_SCENES
 from toile.dress.palette import BODY, garment_colour
@@ -49,19 +49,11 @@ def run_case(name: str, remesh: bool, pictures: Path | None = None) -> StressRow
     film = Simulation(scene.cloth, scene.avatar, plan, on_frame, scene.motion, pin_motion=scene.pin_motion)
     record = film.run(scene.seconds)
     crossings = sum(map(sum, record.crossings))
-    if not finite:
-        outcome = "not finite"
-    elif crossings:
-        outcome = "crossing"
-    elif record.failure:
-        outcome = "message"
-    elif late:
-        outcome = "out of time"
-    else:
-        outcome = "valid"
+    failed = bool(record.failure)
+    outcome = outcome_of(finite=finite, crossings=crossings, late=late and not failed, broken_off=failed)
     gaps = [gap for gap in record.min_gap if np.isfinite(gap)]
     if pictures is not None and last is not None:
-        write_atomic(pictures / f"{name}{'_remesh' if remesh else ''}.png", _picture(scene, last))
+        write_atomic(picture_path(pictures, name, remesh), _picture(scene, last))
     return StressRow(
         case=name,
         remesh=remesh,

@@ -10,26 +10,22 @@ from time import monotonic, process_time
 import numpy as np
 
 from toile.dress.benchmarks.stress_killed import differing_files, run_killed, with_failure
-from toile.dress.benchmarks.stress_row import StressRow
+from toile.dress.benchmarks.stress_row import StressRow, outcome_of, picture_path
 from toile.dress.benchmarks.walking_mannequin import walk
-from toile.dress.dress import dress
+from toile.dress.dress import FOLLOWS, dress
 from toile.dress.mannequin import mannequin
 from toile.dress.measure import measure
-from toile.dress.palette import BODY, garment_colour
 from toile.dress.pattern import Edge, Panel, Pattern, Stitch
 from toile.dress.pattern_mesh import mesh_pattern
-from toile.dress.preview import PreviewMesh, render
 from toile.dress.progress import ProgressState
 from toile.dress.quality import quality_preset
-from toile.dress.result import Result
+from toile.dress.result import Result, dressed_png
 from toile.dress.scene import AvatarFile, Garment, Scene
 from toile.dress.writers.atomic import write_atomic
-from toile.dress.writers.png import png_bytes
 
 QUALITY = "preview"
 WALK_FRAMES = 30
 KILLED_FRAMES = 5
-FINISHED = ("converged", "frame_limit")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,18 +53,12 @@ def run_dressed_case(name: str, remesh: bool, pictures: Path | None) -> StressRo
     film = report.get("animation", {})
     crossings = max(report["intersections"]["worst_frame"], film.get("intersections_max", 0))
     failure = report["failure"]
-    if not all(np.isfinite(garment.positions).all() for garment in result.garments):
-        outcome = "not finite"
-    elif crossings:
-        outcome = "crossing"
-    elif spent() > case.limit:
-        outcome = "out of time"
-    elif result.status not in FINISHED:
-        outcome = "message"
-    else:
-        outcome = "valid"
+    outcome = outcome_of(
+        finite=all(np.isfinite(garment.positions).all() for garment in result.garments),
+        crossings=crossings, late=spent() > case.limit, broken_off=result.status not in FOLLOWS,
+    )  # fmt: skip
     if pictures is not None:
-        write_atomic(pictures / f"{name}{'_remesh' if remesh else ''}.png", _picture(result))
+        write_atomic(picture_path(pictures, name, remesh), dressed_png(result.avatar, result.garments))
     gaps = [gap for gap in (report["min_gap_mm"], film.get("min_gap_mm")) if gap is not None]
     strain = report["strain_percent"]
     return StressRow(
@@ -170,15 +160,3 @@ def _of_children() -> float:
     """CPU time of processes that this one has started [s]."""
     times = os.times()
     return times.children_user + times.children_system
-
-
-def _picture(result: Result) -> bytes:
-    """Return a PNG of the end of a case."""
-    worn = [
-        PreviewMesh(
-            positions=garment.positions, faces=garment.faces, colour=garment_colour(index), double_sided=True
-        )
-        for index, garment in enumerate(result.garments)
-    ]
-    body = PreviewMesh(positions=result.avatar.vertices, faces=result.avatar.faces, colour=BODY)
-    return png_bytes(render([*worn, body]))

@@ -6,10 +6,9 @@ import numpy as np
 import trimesh
 from scipy.interpolate import PchipInterpolator
 
-from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet
-from toile.dress.benchmarks.stress_scene import FPS, StressScene
+from toile.dress.benchmarks.scenes import rectangle, sheet, surface_of
+from toile.dress.benchmarks.stress_scene import FPS, StressScene, pushed_plan
 from toile.engine.cloth import Cloth
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
@@ -51,8 +50,7 @@ def funnel() -> StressScene:
     down = np.concatenate([np.linspace(0.0, 0.8, 48), np.full(4, 0.8)])
     frames = start[None] - down[:, None, None] * np.array([0.0, 1.0, 0.0])
     scene = _pulled(cloth, edge, frames, limit=300.0)
-    avatar = (np.ascontiguousarray(made.vertices, np.float64), np.ascontiguousarray(made.faces, np.int32))
-    return replace(scene, avatar=avatar)
+    return replace(scene, avatar=surface_of(made))
 
 
 def knot() -> StressScene:
@@ -110,11 +108,7 @@ def _closed(cloth: Cloth, flat: Float, width: float) -> Cloth:
 def _pulled(cloth: Cloth, edge: float, frames: Float, limit: float) -> StressScene:
     """Make a scene of a cloth whose pinned nodes, in order, follow `frames` [m], shape (k, pins, 3)."""
     motion = VertexMotion(frames=frames, fps=FPS)
-    plan = replace(
-        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE,
-    )  # fmt: skip
     return StressScene(
-        cloth=cloth.led(), edge=edge, plan=plan, seconds=motion.seconds,
+        cloth=cloth.led(), edge=edge, plan=pushed_plan(), seconds=motion.seconds,
         pin_motion=motion, limit=limit,
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """How a hard case ended, and the table of all."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +42,22 @@ class StressRow:
     def fell_short(self) -> bool:
         """Whether it did not end as expected."""
         return self.outcome != self.expected
+
+
+def outcome_of(*, finite: bool, crossings: int, late: bool, broken_off: bool) -> str:
+    """Return how a case ended: what it crossed counts before why it ended."""
+    if not finite:
+        return "not finite"
+    if crossings:
+        return "crossing"
+    if late:
+        return "out of time"
+    return "message" if broken_off else "valid"
+
+
+def picture_path(folder: Path, case: str, remesh: bool) -> Path:
+    """Return where the picture of a case is."""
+    return folder / f"{case}{'_remesh' if remesh else ''}.png"
 
 
 def stress_table(rows: list[StressRow]) -> str:

@@ -1,13 +1,21 @@
 """What a scene of the hard-case suite is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from toile.dress.benchmarks.scenes import film_plan
 from toile.engine.cloth import Cloth
-from toile.engine.film_plan import FilmPlan
+from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmPlan
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
 FPS = 24.0
+
+
+def pushed_plan() -> FilmPlan:
+    """Return the plan of a film of cloth that is pushed or pulled hard."""
+    return replace(
+        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON, newton_tolerance=PUSHED_TOLERANCE
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 import trimesh
 
-from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet
+from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet, surface_of
 from toile.dress.benchmarks.stress_pulled import funnel, knot, wring
-from toile.dress.benchmarks.stress_scene import FPS, StressScene
+from toile.dress.benchmarks.stress_scene import FPS, StressScene, pushed_plan
 from toile.dress.benchmarks.stress_torn import overstretched_seams, spinning_skirt
 from toile.dress.fabrics import fabric
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
@@ -64,9 +63,9 @@ def squeeze() -> StressScene:
     body = trimesh.util.concatenate([arm, arm.copy()])
     side = np.where(np.arange(len(body.vertices)) < len(arm.vertices), -1.0, 1.0)
     distance = np.concatenate([np.linspace(0.2, 0.075, 18), np.full(6, 0.075), np.linspace(0.075, 0.2, 12)])
-    vertices = np.ascontiguousarray(body.vertices, np.float64)
+    vertices, faces = surface_of(body)
     moves = distance[:, None, None] * side[None, :, None] * np.array([0.0, 0.0, 1.0])
-    return _film(cloth, edge, vertices[None] + moves, np.ascontiguousarray(body.faces, np.int32))
+    return _film(cloth, edge, vertices[None] + moves, faces)
 
 
 def self_crossing() -> StressScene:
@@ -157,7 +156,7 @@ STRESS_SCENES: dict[str, Callable[[], StressScene]] = {
 
 def _ball(radius: float) -> tuple[Float, Int]:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=radius)
-    return np.ascontiguousarray(ball.vertices, np.float64), np.ascontiguousarray(ball.faces, np.int32)
+    return surface_of(ball)
 
 
 def _hanging(edge: float, level: bool = False, material: Fabric | None = None) -> tuple[Cloth, float]:
@@ -180,11 +179,7 @@ def _level(
 
 
 def _still(cloth: Cloth, edge: float, obstacle: trimesh.Trimesh, seconds: float) -> StressScene:
-    avatar = (
-        np.ascontiguousarray(obstacle.vertices, np.float64),
-        np.ascontiguousarray(obstacle.faces, np.int32),
-    )
-    return StressScene(cloth=cloth, edge=edge, plan=film_plan(), seconds=seconds, avatar=avatar)
+    return StressScene(cloth=cloth, edge=edge, plan=film_plan(), seconds=seconds, avatar=surface_of(obstacle))
 
 
 def _weighed(areal_density: float) -> StressScene:
@@ -202,14 +197,10 @@ def _moving(cloth: Cloth, edge: float, vertices: Float, faces: Int, places: Floa
 def _film(cloth: Cloth, edge: float, frames: Float, faces: Int) -> StressScene:
     """Make a scene of a body in motion, `frames` [m] of shape (k, v, 3)."""
     motion = VertexMotion(frames=frames, fps=FPS)
-    plan = replace(
-        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE,
-    )  # fmt: skip
     return StressScene(
         cloth=cloth,
         edge=edge,
-        plan=plan,
+        plan=pushed_plan(),
         seconds=motion.seconds,
         avatar=(frames[0].copy(), faces),
         motion=motion,

@@ -6,9 +6,8 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from toile.dress.benchmarks.scenes import film_plan, rectangle, sheet
-from toile.dress.benchmarks.stress_scene import FPS, StressScene
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmPlan
+from toile.dress.benchmarks.scenes import rectangle, sheet, surface_of
+from toile.dress.benchmarks.stress_scene import StressScene, pushed_plan
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.remesh.panel_mesh import triangulate_panel
@@ -28,9 +27,9 @@ OVERSTRETCH = 5.0
 def spinning_skirt() -> StressScene:
     """Spin a circle skirt on hips and legs, three turns a second, and stop them at once."""
     edge = 0.035
-    flat, faces = _ring(WAIST, WAIST + SKIRT, edge)
+    flat, triangles = _ring(WAIST, WAIST + SKIRT, edge)
     positions = np.column_stack((flat[:, 0], np.zeros(len(flat)), -flat[:, 1]))
-    cloth = sheet(flat, faces, positions, np.linalg.norm(flat, axis=1) < WAIST + 1e-6).led()
+    cloth = sheet(flat, triangles, positions, np.linalg.norm(flat, axis=1) < WAIST + 1e-6).led()
     parts = [trimesh.creation.capsule(height=0.5, radius=0.118, count=[24, 32])]
     for side in (-1.0, 1.0):
         leg = trimesh.creation.capsule(height=0.7, radius=0.055, count=[16, 24])
@@ -44,10 +43,10 @@ def spinning_skirt() -> StressScene:
     angle = 2.0 * np.pi * TURNS_PER_SECOND * (
         0.5 * ramp**2 / SPIN_UP + np.clip(time - SPIN_UP, 0.0, SPIN)
     )  # fmt: skip
-    vertices = np.asarray(body.vertices, np.float64)
+    vertices, faces = surface_of(body)
     return StressScene(
-        cloth=cloth, edge=edge, plan=_pushed(), seconds=float(time[-1]), limit=300.0,
-        avatar=(vertices, np.ascontiguousarray(body.faces, np.int32)),
+        cloth=cloth, edge=edge, plan=pushed_plan(), seconds=float(time[-1]), limit=300.0,
+        avatar=(vertices, faces),
         motion=VertexMotion(frames=_turned(vertices, angle), fps=SPIN_FPS),
         pin_motion=VertexMotion(frames=_turned(cloth.positions[cloth.pinned], angle), fps=SPIN_FPS),
     )  # fmt: skip
@@ -66,16 +65,9 @@ def overstretched_seams() -> StressScene:
     cloth = sheet(flat, faces, positions, np.zeros(len(flat), bool))
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.15)
     return StressScene(
-        cloth=cloth, edge=edge, plan=replace(_pushed(), longest_step=1.0 / 240.0), seconds=1.0,
-        avatar=(np.ascontiguousarray(ball.vertices, np.float64), np.ascontiguousarray(ball.faces, np.int32)),
+        cloth=cloth, edge=edge, plan=replace(pushed_plan(), longest_step=1.0 / 240.0), seconds=1.0,
+        avatar=surface_of(ball),
     )  # fmt: skip
-
-
-def _pushed() -> FilmPlan:
-    """Return the plan of a film of cloth that is pushed hard."""
-    return replace(
-        film_plan(), frame_seconds=1.0 / FPS, newton=PUSHED_NEWTON, newton_tolerance=PUSHED_TOLERANCE
-    )
 
 
 def _turned(points: Float, angle: Float) -> Float:

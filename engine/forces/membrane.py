@@ -18,21 +18,26 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, kernel
+from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_F64_4, helper, kernel
 
-OUT_F64_4 = types.Array(types.float64, 4, "C")
+
+@helper
+def _threads(faces, shape, x, t):  # type: ignore[no-untyped-def]
+    """Return f_u and f_v of a face, three components each."""
+    ux = uy = uz = vx = vy = vz = 0.0
+    for a in range(3):
+        i = faces[t, a]
+        du, dv = shape[t, 4 + a], shape[t, 7 + a]
+        ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
+        vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+    return ux, uy, uz, vx, vy, vz
 
 
 @kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1))
 def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
     """Fill element energies [J], shape (t,)."""
     for t in range(len(faces)):
-        ux = uy = uz = vx = vy = vz = 0.0
-        for a in range(3):
-            i = faces[t, a]
-            du, dv = shape[t, 4 + a], shape[t, 7 + a]
-            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
-            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        ux, uy, uz, vx, vy, vz = _threads(faces, shape, x, t)
         warp = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
         weft = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
         shear = ux * vx + uy * vy + uz * vz
@@ -46,12 +51,7 @@ def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
 def _strains(faces: Int, shape: Float, x: Float, strain: Float) -> None:
     """Fill |f_u| - 1, |f_v| - 1, shape (t, 2)."""
     for t in range(len(faces)):
-        ux = uy = uz = vx = vy = vz = 0.0
-        for a in range(3):
-            i = faces[t, a]
-            du, dv = shape[t, 4 + a], shape[t, 7 + a]
-            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
-            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        ux, uy, uz, vx, vy, vz = _threads(faces, shape, x, t)
         strain[t, 0] = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
         strain[t, 1] = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
 
@@ -60,12 +60,7 @@ def _strains(faces: Int, shape: Float, x: Float, strain: Float) -> None:
 def _gradients(faces: Int, shape: Float, x: Float, gradient: Float) -> None:
     """Fill gradients [N], shape (t, 3, 3)."""
     for t in range(len(faces)):
-        ux = uy = uz = vx = vy = vz = 0.0
-        for a in range(3):
-            i = faces[t, a]
-            du, dv = shape[t, 4 + a], shape[t, 7 + a]
-            ux, uy, uz = ux + du * x[i, 0], uy + du * x[i, 1], uz + du * x[i, 2]
-            vx, vy, vz = vx + dv * x[i, 0], vy + dv * x[i, 1], vz + dv * x[i, 2]
+        ux, uy, uz, vx, vy, vz = _threads(faces, shape, x, t)
         length_u, length_v = sqrt(ux * ux + uy * uy + uz * uz), sqrt(vx * vx + vy * vy + vz * vz)
         pull_u, pull_v = shape[t, 0] * shape[t, 1], shape[t, 0] * shape[t, 2]
         pull_u *= 1.0 - 1.0 / length_u if length_u > 0.0 else 0.0

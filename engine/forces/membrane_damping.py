@@ -13,9 +13,7 @@ from numba import types
 
 from toile.engine.forces.membrane import Membrane
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, I32_2, kernel
-
-OUT_F64_4 = types.Array(types.float64, 4, "C")
+from toile.geometry.kernel import F64_2, I32_2, OUT_F64_4, kernel
 
 
 @kernel(types.void(I32_2, F64_2, types.float64, F64_2, OUT_F64_4))

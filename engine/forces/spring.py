@@ -12,9 +12,7 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_3, kernel
-
-OUT_F64_4 = types.Array(types.float64, 4, "C")
+from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_3, OUT_F64_4, kernel
 
 
 @kernel(types.void(I32_2, F64_1, F64_1, F64_2, OUT_F64_1))

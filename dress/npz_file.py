@@ -1,0 +1,19 @@
+"""Reads the arrays of an .npz file."""
+
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from toile.geometry.errors import InputError
+
+
+def npz_arrays(path: Path, what: str) -> dict[str, Any]:
+    """Return all arrays of a file by name. Raises InputError, telling to export `what` again."""
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return {name: data[name] for name in data.files}
+    except (OSError, ValueError, BadZipFile, KeyError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as .npz ({reason}); export {what} again") from None
