@@ -7,7 +7,6 @@ from dataclasses import replace
 import numba
 import numpy as np
 
-from toile.collide.audit import Crossings
 from toile.collide.shrunken import shrunken
 from toile.dress.arms import drawn_in_arms
 from toile.dress.assemble_cloth import assemble_cloth, pin_motion
@@ -22,6 +21,7 @@ from toile.dress.drape_types import (
     Status,
     in_all,
 )
+from toile.dress.fault import faces_at_fault, place_of
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.layer_order import flared_outside
 from toile.dress.measure import measured
@@ -34,7 +34,6 @@ from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.step_request import StepOptions
-from toile.geometry.arrays import Int
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -208,11 +207,13 @@ def _outcome(
     is_open = gaps > run.plan.closed_gap
     if failure is None and not record.cancelled:
         if sum(last):
+            found = run.audit()
+            place = place_of(cloth, found, [mesh for mesh, _ in garments])
             failure = Failure(
                 kind="tangled",
                 message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
-                where=f"frame {len(record.crossings) - 1}",
-                faces=faces_at_fault(cloth, run.audit()),
+                where=f"frame {len(record.crossings) - 1}; {place}",
+                faces=faces_at_fault(cloth, found),
             )
         elif is_open.any():
             seams = sorted({names[index] for index in cloth.seam[is_open]})
@@ -267,16 +268,6 @@ def _outcome(
         cloth=cloth, step=run.plan.step, notes=notes, gave_up=record.gave_up,
         pin_motion=pin_motion([mesh for mesh, _ in garments], cloth.origin),
     )  # fmt: skip
-
-
-def faces_at_fault(cloth: Cloth, crossings: Crossings) -> tuple[Int, ...]:
-    """Return the faces that cross, by their numbers in the file of each garment, where they have any."""
-    if cloth.origin is None:
-        return ()
-    bad = np.unique(np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()]))
-    numbers, owner = cloth.origin.face[bad], cloth.garment[bad]
-    count = len(cloth.origin.first) - 1
-    return tuple(np.unique(numbers[(owner == index) & (numbers >= 0)]) for index in range(count))
 
 
 def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:

@@ -11,6 +11,7 @@ from typing import Any
 from toile.dress.avatar import Avatar
 from toile.dress.drape import taken_apart
 from toile.dress.drape_types import DrapeOutcome, Failure, FrameState
+from toile.dress.fault import place_of
 from toile.dress.palette import BODY, garment_colour, linear
 from toile.dress.result import DressedGarment, Record, file_stem
 from toile.dress.writers.atomic import writable_folder, write_atomic
@@ -98,7 +99,7 @@ def follow(
     assert motion is not None
     started = time.perf_counter()
     frames = None if folder is None else writable_folder(folder / FRAMES)
-    latest, skin = garments, avatar.vertices
+    latest, skin, crossing = garments, avatar.vertices, ""
     last = len(motion.frames) - 1
     plan = FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=air),
@@ -111,7 +112,7 @@ def follow(
         return tuple(garment.now(part) for garment, part in zip(garments, parts, strict=True))
 
     def on_film_frame(frame: FilmFrame) -> bool:
-        nonlocal latest, skin
+        nonlocal latest, skin, crossing
         assert frame.avatar is not None
         skin, latest = frame.avatar, as_of(frame.cloth)
         if frames is not None:
@@ -120,6 +121,8 @@ def follow(
                 content = ply_bytes(garment.positions, garment.faces, corner_uv)
                 write_atomic(frame_path(frames, garment.name, frame.index), content)
             write_atomic(frame_path(frames, BODY_NAME, frame.index), ply_bytes(skin, avatar.faces))
+        if not crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
+            crossing = f"frame {frame.index}; {place_of(frame.cloth, frame.crossings, garments)}"
         record(frame.index, latest)
         if frame.index:
             keep(film.state())
@@ -144,7 +147,8 @@ def follow(
         failure = Failure(kind="motion", message=made.failure, where=f"frame {frame}")
     elif any(map(sum, made.crossings)):
         frame = next(index for index, found in enumerate(made.crossings) if sum(found))
-        failure = Failure(kind="crossing", message="triangles cross", where=f"frame {frame}")
+        # The place is known of frames of this run; a film taken up after a crossing knows the frame only.
+        failure = Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
     gaps = [gap for gap in made.min_gap if math.isfinite(gap)]
     figures = {
         "fps": motion.fps,
@@ -152,6 +156,7 @@ def follow(
         "seconds": made.simulated_seconds,
         "steps": made.steps,
         "retries": made.retries,
+        "steps_kept_unsolved": made.forced,
         "newton_iterations": made.newton_iterations,
         "faces_max": max(made.faces),
         "intersections_max": max(map(sum, made.crossings)),

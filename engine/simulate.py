@@ -212,7 +212,7 @@ class Simulation(ClothRun):
             return
         now = self._frame_time() + plan.frame_seconds
         target, pins = None if self.path is None else self.path.at(now), self._pins(now)
-        lag = self._behind(target, pins)
+        lag, place = self._behind(target, pins)
         if lag > ARRIVED:
             velocities = stepper.v
             for _ in range(CATCHING_UP):
@@ -223,26 +223,28 @@ class Simulation(ClothRun):
                         motion_max=inf, avatar_target=target, pin_target=pins, seconds=now,
                     )
                 )  # fmt: skip
-                before, lag = lag, self._behind(target, pins)
+                before = lag
+                lag, place = self._behind(target, pins)
                 if lag <= ARRIVED or lag > 0.9 * before:
                     break
             stepper.v = velocities
         if lag > plan.lag_max:
             self.record.failure = (
                 f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "
-                f"{1e3 * lag:.0f} mm in frame {len(self.record.crossings)}: it is caught where it cannot "
-                "give way"
+                f"{1e3 * lag:.0f} mm in frame {len(self.record.crossings)} near ({place[0]:.2f}, "
+                f"{place[1]:.2f}, {place[2]:.2f}) m: it is caught where it cannot give way"
             )
         self._lag = lag
 
-    def _behind(self, avatar: Float | None, pins: Float | None) -> float:
-        """How far the avatar's vertices, shape (v, 3), and pins, (n, 3), are from their targets [m]."""
-        lag, stepper = 0.0, self.stepper
+    def _behind(self, avatar: Float | None, pins: Float | None) -> tuple[float, Float]:
+        """How far and where avatar or pins are farthest from their targets [m], shapes (v, 3), (n, 3)."""
+        stepper = self.stepper
+        apart = [(0.0, np.zeros(3))]
         if avatar is not None and self.surface is not None:
-            lag = _farthest(avatar, self.surface.vertices)
+            apart.append(_farthest(self.surface.vertices, avatar))
         if pins is not None and stepper.pinned is not None:
-            lag = max(lag, _farthest(pins[stepper.pinned], stepper.x[stepper.pinned]))
-        return lag
+            apart.append(_farthest(stepper.x[stepper.pinned], pins[stepper.pinned]))
+        return max(apart, key=lambda one: one[0])
 
     def stretch_max(self) -> float:
         """Largest stretch along warp or weft now."""
@@ -271,6 +273,8 @@ class Simulation(ClothRun):
             record.cancelled = True
 
 
-def _farthest(a: Float, b: Float) -> float:
-    """Largest distance between vertices [m], both shape (v, 3)."""
-    return float(np.linalg.norm(a - b, axis=1).max())
+def _farthest(there: Float, target: Float) -> tuple[float, Float]:
+    """Largest distance between vertices, both shape (v, 3), and where it is [m]."""
+    distance = np.linalg.norm(there - target, axis=1)
+    most = int(distance.argmax())
+    return float(distance[most]), there[most]

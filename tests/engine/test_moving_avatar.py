@@ -111,6 +111,20 @@ def test_an_avatar_that_jumps_ends_the_film_with_the_frame_and_the_vertex() -> N
     assert "after frame 2" in run.record.failure and "vertex" in run.record.failure
 
 
+def test_an_avatar_that_cloth_holds_back_ends_the_film_with_the_place() -> None:
+    """Cloth pinned at every node cannot give way to a ball that rises into it."""
+    vertices, faces = body(trimesh.creation.icosphere(subdivisions=2, radius=0.1))
+    motion = VertexMotion(
+        frames=vertices[None] + np.linspace(0.0, 0.3, 5)[:, None, None] * [0, 1, 0], fps=FPS
+    )
+    cloth = level_sheet(0.3, 0.3, 0.05, 0.105)
+    cloth = replace(cloth, pinned=np.ones(len(cloth.positions), bool))
+    run = Simulation(cloth, (motion.pose(0), faces), plan(), lambda _: True, motion)
+    run.run(motion.seconds)
+    assert "back by" in run.record.failure and "near (0.00, 0.10, 0.00) m" in run.record.failure
+    assert not any(map(sum, run.record.crossings))
+
+
 def test_motion_goes_through_its_frames_smoothly() -> None:
     rng = np.random.default_rng(5)
     motion = VertexMotion(frames=rng.normal(size=(5, 4, 3)), fps=24.0)
