@@ -7,8 +7,10 @@ from toile.engine.forces.gusts import Gusts
 from toile.engine.forces.wind import AirFlow
 from toile.geometry.errors import InputError
 
-DENSITY, DRAG_COEFFICIENT = 1.2, 1.0
-"""Of air [kg/m^3], and of a plate across the flow."""
+DENSITY = 1.2
+"""Of air [kg/m^3]."""
+MOST_DRAG = 4.0
+"""Largest coefficient that makes sense: an open hemisphere against the wind has 1.4."""
 LEAST_SPEED = 1.0
 """Speed for which still air resists [m/s]: about that of a body that walks."""
 FASTEST = 60.0
@@ -28,6 +30,12 @@ class Air:
         Size of the gusts [m].
     seed
         Which of all gusts of that kind.
+    drag
+        Drag coefficient of cloth across the flow; of a flat plate about 1.
+    lift
+        Lift coefficient, up to `drag`: the force on cloth with normal n in a flow of speed u along d is
+        rho u^2/2 ((drag - lift) d + lift (n . d) n) per area. With lift = drag air presses along the normal
+        only, as on a smooth plate; without lift it drags cloth along like dust.
 
     Raises InputError naming the field that is at fault.
     """
@@ -36,6 +44,8 @@ class Air:
     gusts: float = 0.0
     eddies: float = 2.0
     seed: int = 0
+    drag: float = 1.0
+    lift: float = 1.0
 
     def __post_init__(self) -> None:
         """Check every field."""
@@ -50,17 +60,24 @@ class Air:
             raise InputError(f"eddies of air must be longer than 0 m, got {self.eddies!r}")
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise InputError(f"seed of air must be a whole number from 0, got {self.seed!r}")
+        if not _is_number(self.drag) or not 0.0 < self.drag <= MOST_DRAG:
+            raise InputError(f"drag of air must lie between 0 and {MOST_DRAG:g}, got {self.drag!r}")
+        if not _is_number(self.lift) or not 0.0 <= self.lift <= self.drag:
+            raise InputError(f"lift of air must lie between 0 and its drag {self.drag:g}, got {self.lift!r}")
 
     def flow(self) -> AirFlow:
         """Return it as the engine takes it."""
         gusts = Gusts(intensity=self.gusts, length=self.eddies, seed=self.seed) if self.gusts else None
         speed = max(math.hypot(*self.velocity), LEAST_SPEED)
-        return AirFlow(velocity=self.velocity, resistance=plate_resistance(speed), gusts=gusts)
+        return AirFlow(
+            velocity=self.velocity, resistance=plate_resistance(speed, self.drag),
+            friction=plate_resistance(speed, self.drag - self.lift), gusts=gusts,
+        )  # fmt: skip
 
 
-def plate_resistance(speed: float) -> float:
-    """Linear resistance [N s/m^3] that equals the pressure drag of a plate at `speed` [m/s]."""
-    return 0.5 * DENSITY * DRAG_COEFFICIENT * speed
+def plate_resistance(speed: float, coefficient: float = 1.0) -> float:
+    """Linear resistance [N s/m^3] that equals the drag of a plate of that coefficient at `speed` [m/s]."""
+    return 0.5 * DENSITY * coefficient * speed
 
 
 def _is_number(value: object) -> bool:

@@ -72,6 +72,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "gusts": (NUMBER, "standard deviation of gusts over the mean speed, default 0"),
         "eddies": (NUMBER, "size of gusts [m], default 2"),
         "seed": (int, "which gusts, default 0"),
+        "drag": (NUMBER, "drag coefficient of cloth across the flow, default 1"),
+        "lift": (NUMBER, "lift coefficient, 0 (dragged along) to drag (pressed along its normal), default 1"),
     },
     "avatar": {
         "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz, animated .glb or folder of meshes"),

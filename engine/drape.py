@@ -31,11 +31,12 @@ class Drape(DrapeState):
         if self.phase == "sewing":
             sew(self)
         relax_tangles(self)
+        # Another mesh is cheaper than a second attempt on this one.
+        if self._gives_up(bool(self.ghost.any())):
+            return self.record
         if self._can_go_back():
             sew_again(self)
             relax_tangles(self)
-        if self._gives_up(bool(self.ghost.any())):
-            return self.record
         self._put_on()
         if self._gives_up(bool(self.ghost.any()) or bool((self.gaps() > self.plan.closed_gap).any())):
             return self.record

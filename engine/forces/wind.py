@@ -1,9 +1,11 @@
-"""Wind: air presses on moving cloth along its normal, in proportion to the relative speed.
+"""Wind: air presses on moving cloth along its normal, and rubs along it, in proportion to the relative speed.
 
-Force per area k_w (n . (u_w - v)) n, with n the normal of the face, u_w the velocity of the air and v that of
-the cloth; a third of a face's area counts at each of its nodes, with the node's own velocity. Still air is
-drag. Normals and areas are those at the start of the step, so the force derives from the dissipation
-potential h k_w/2 sum of areas (n . (u_w - v))^2, quadratic in the positions.
+Force per area k_w (n . u) n + k_s (u - (n . u) n), with n the normal of the face and u = u_w - v the velocity
+of the air less that of the cloth; a third of a face's area counts at each of its nodes, with the node's own
+velocity. Seen from the flow this is k_s u, which is drag, and (k_w - k_s) (n . u) n, whose part along u is
+drag as well and whose part across it is lift. In still air all is drag. Normals and areas are those at the
+start of the step, so the force derives from a dissipation potential, h/2 sum of areas (k_w (n . u)^2 + k_s |u
+- (n . u) n|^2), quadratic in the positions.
 """
 
 from dataclasses import dataclass
@@ -25,12 +27,15 @@ class AirFlow:
     resistance
         k_w [N s/m^3]: pressure per relative speed. Pressure drag rho c/2 u^2 of a plate has this secant at
         speed u: k_w = rho c u / 2.
+    friction
+        k_s [N s/m^3]: traction along the cloth per relative speed.
     gusts
         How the velocity varies about that one, or None.
     """
 
     velocity: tuple[float, float, float]
     resistance: float
+    friction: float = 0.0
     gusts: Gusts | None = None
 
     def velocity_at(self, seconds: float) -> Float:
@@ -52,7 +57,6 @@ class Wind:
         self.faces = faces
         self.flow = air
         self.air = air.velocity_at(0.0)
-        self.resistance = air.resistance
         self.drag = np.zeros((node_count, 3, 3))
 
     def begin(self, x: Float, seconds: float = 0.0) -> None:
@@ -61,13 +65,16 @@ class Wind:
         corner = x[self.faces[:, 0]]
         normal = np.cross(x[self.faces[:, 1]] - corner, x[self.faces[:, 2]] - corner)
         twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
-        scale = self.resistance / (6.0 * twice_area)
+        scale = (self.flow.resistance - self.flow.friction) / (6.0 * twice_area)
         nodes = self.faces.ravel()
         for row in range(3):
             for column in range(row, 3):
                 share = np.repeat(scale * normal[:, row] * normal[:, column], 3)
                 self.drag[:, row, column] = np.bincount(nodes, share, len(self.drag))
                 self.drag[:, column, row] = self.drag[:, row, column]
+        if self.flow.friction:
+            third = np.repeat(self.flow.friction / 6.0 * twice_area, 3)
+            self.drag[:, [0, 1, 2], [0, 1, 2]] += np.bincount(nodes, third, len(self.drag))[:, None]
 
     def energy(self, velocity: Float, h: float) -> float:
         """Dissipation potential [J] of a step of size h [s] at node velocities [m/s], shape (n, 3)."""

@@ -28,6 +28,13 @@ def test_a_plate_across_the_wind_feels_its_pressure_drag() -> None:
     assert Air().flow().resistance > 0.0
 
 
+def test_without_lift_cloth_is_dragged_along() -> None:
+    air = Air(velocity=(0.0, 0.0, 5.0), drag=1.2, lift=0.0).flow()
+    assert air.friction == air.resistance == pytest.approx(0.5 * 1.2 * 1.2 * 5.0)
+    assert Air(drag=1.2, lift=0.9).flow().friction == pytest.approx(0.5 * 1.2 * 0.3)
+    assert Air().flow().friction == 0.0
+
+
 def test_gusts_are_those_of_their_seed() -> None:
     one, same, other = (Air(velocity=(5.0, 0.0, 0.0), gusts=0.2, seed=seed).flow() for seed in (1, 1, 2))
     assert np.array_equal(one.velocity_at(3.0), same.velocity_at(3.0))
@@ -43,6 +50,8 @@ def test_gusts_are_those_of_their_seed() -> None:
         ({"gusts": 2.0}, "gusts"),
         ({"eddies": 0.0}, "eddies"),
         ({"seed": 1.5}, "seed"),
+        ({"drag": 0.0}, "drag"),
+        ({"lift": 1.5}, "lift"),
     ],
 )
 def test_a_wrong_field_is_named(values: dict[str, Any], field: str) -> None:

@@ -11,19 +11,21 @@ from toile.engine.step import ClothStepper
 from toile.engine.step_request import StageClock, StepRequest
 
 AIR = AirFlow(velocity=(3.0, -1.0, 2.0), resistance=6.0)
+RUBBING = replace(AIR, friction=2.5)
 
 
-def crumpled_wind(seed: int) -> tuple[Wind, np.random.Generator]:
+def crumpled_wind(seed: int, air: AirFlow = AIR) -> tuple[Wind, np.random.Generator]:
     cloth = sheet(SLACK)
     generator = np.random.default_rng(seed)
-    wind = Wind(cloth.face_nodes, len(cloth.positions), AIR)
+    wind = Wind(cloth.face_nodes, len(cloth.positions), air)
     wind.begin(cloth.positions + 0.05 * generator.normal(size=cloth.positions.shape))
     return wind, generator
 
 
+@pytest.mark.parametrize("air", [AIR, RUBBING])
 @pytest.mark.parametrize("seed", range(3))
-def test_gradient_and_drag_are_derivatives_of_the_potential(seed: int) -> None:
-    wind, generator = crumpled_wind(seed)
+def test_gradient_and_drag_are_derivatives_of_the_potential(seed: int, air: AirFlow) -> None:
+    wind, generator = crumpled_wind(seed, air)
     h, step = 0.01, 1e-4
     velocity = generator.normal(size=(len(wind.drag), 3))
     way = generator.normal(size=velocity.shape)
@@ -47,6 +49,22 @@ def test_force_on_a_flat_sheet_is_pressure_times_area() -> None:
     wind.begin(cloth.positions)
     force = -wind.gradient(np.zeros_like(cloth.positions)).sum(axis=0)
     assert force == pytest.approx([0.0, 0.0, AIR.resistance * AIR.velocity[2]])
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, np.pi / 2.0])
+def test_drag_and_lift_of_a_flat_sheet_are_those_of_its_angle(angle: float) -> None:
+    """A square metre whose normal is turned away from the flow by an angle."""
+    cloth = sheet(SLACK)
+    across, along = 6.0, 2.5
+    air = AirFlow(velocity=(0.0, 0.0, 4.0), resistance=across, friction=along)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    wind = Wind(cloth.face_nodes, len(cloth.positions), air)
+    wind.begin(np.ascontiguousarray(cloth.positions @ turn.T))
+    lift, none, drag = -wind.gradient(np.zeros_like(cloth.positions)).sum(axis=0)
+    assert drag == pytest.approx(4.0 * (along + (across - along) * cosine**2))
+    assert lift == pytest.approx(4.0 * (across - along) * cosine * sine, abs=1e-12)
+    assert none == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_level_sheet_falls_at_its_terminal_velocity() -> None:
