@@ -38,7 +38,10 @@ class Drape(DrapeState):
             sew_again(self)
             relax_tangles(self)
         self._put_on()
-        if self._gives_up(bool(self.ghost.any()) or bool((self.gaps() > self.plan.closed_gap).any())):
+        if self._is_open() and self.remesh():
+            # What does not close in coarse triangles may do so in finer ones.
+            close_late(self)
+        if self._gives_up(bool(self.ghost.any()) or self._is_open()):
             return self.record
         if self._can_go_back():
             leave_open(self)
@@ -68,6 +71,10 @@ class Drape(DrapeState):
         """Whether to end here, its seams jammed, since the caller may start again on another mesh."""
         self.record.gave_up = jammed and not self.plan.persistent and not self.over()
         return self.record.gave_up
+
+    def _is_open(self) -> bool:
+        """Whether stitches are open that can be seen."""
+        return bool((self.gaps() > self.plan.closed_gap).any())
 
     def _can_go_back(self) -> bool:
         """Whether cloth is tangled, and its seams can be unpicked."""
