@@ -8,6 +8,7 @@ from scipy.sparse import csr_array, diags_array
 from toile.dress.garment_mesh import GarmentMesh
 from toile.engine.cloth import Cloth
 from toile.engine.fabric import Fabric
+from toile.engine.goals import Goals
 from toile.engine.origin import Origin
 from toile.engine.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Int
@@ -47,6 +48,14 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
             [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
         )
 
+    goals = Goals.together(
+        [
+            None if mesh.pull is None else Goals(stiffness=mesh.pull, places=mesh.positions)
+            for mesh, _ in garments
+        ],
+        [mesh.positions for mesh, _ in garments],
+    )
+    led = pinned if goals is None else np.ones(count, bool)
     origin = Origin.together(
         [mesh.origin for mesh, _ in garments],
         [(len(mesh.positions), len(mesh.faces)) for mesh, _ in garments],
@@ -75,7 +84,8 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         rest_curved=per_face([not mesh.flat for mesh, _ in garments], np.bool_),
         start_positions=positions.copy(),
         origin=origin,
-        handles=_handles(origin, pinned, [mesh for mesh, _ in garments]),
+        goals=goals,
+        handles=_handles(origin, led, [mesh for mesh, _ in garments]),
     )
 
 
@@ -97,8 +107,9 @@ def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion
     return VertexMotion(frames=np.concatenate(parts, axis=1), fps=moving[0].fps)
 
 
-def _handles(origin: Origin | None, pinned: Bool, meshes: list[GarmentMesh]) -> csr_array | None:
-    """Return how pinned nodes follow corners that move, sparse (n, p); None if none does."""
+def _handles(origin: Origin | None, led: Bool, meshes: list[GarmentMesh]) -> csr_array | None:
+    """Return how nodes that are led follow corners that move, sparse (n, p); None if none does."""
     if origin is None or all(mesh.motion is None for mesh in meshes):
         return None
-    return csr_array(diags_array(pinned.astype(np.float64)) @ origin.weights)
+    moves = np.repeat([mesh.motion is not None for mesh in meshes], [len(mesh.positions) for mesh in meshes])
+    return csr_array(diags_array((led & moves).astype(np.float64)) @ origin.weights)

@@ -47,10 +47,14 @@ class GarmentMesh:
         Smallest triangle angle [degrees].
     pinned
         Material vertices that no force moves, shape (k,), beside those that a scene pins.
+    pull
+        Stiffness per area with which material vertices are drawn to their places [N/m^3], shape (m,); None:
+        not at all.
     origin
         Corners and faces of the file that material vertices and faces come from, or None.
     motion
-        Where the file's corners go [m]: pinned vertices follow it where the avatar moves. None: they stay.
+        Where the file's corners go [m]: pinned and drawn vertices follow it where the avatar moves. None:
+        they stay.
     """
 
     name: str
@@ -67,5 +71,6 @@ class GarmentMesh:
     flat: bool = True
     minimum_angle: float
     pinned: Int = field(default_factory=lambda: np.empty(0, np.int32))
+    pull: Float | None = None
     origin: "Origin | None" = None
     motion: VertexMotion | None = None

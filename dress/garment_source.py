@@ -156,13 +156,22 @@ def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
 
 
 def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:
-    """Raise InputError if the garment or one of its panels is nowhere near the avatar."""
+    """Raise InputError if the garment or a panel is nowhere near the avatar, or a piece shut up in it."""
     where = f"garment '{mesh.name}'"
     _check_near(where, mesh.positions, avatar.vertices, LARGEST_DISTANCE)
     for index, name in enumerate(mesh.panel_names):
         used = mesh.positions[mesh.faces[mesh.panel == index].ravel()]
         if len(used):
             _check_near(f"{where}: panel '{name}'", used, avatar.vertices, LARGEST_PANEL_DISTANCE)
+    if not mesh.flat:
+        from toile.dress.inside_body import faces_inside
+
+        inside = faces_inside(mesh, avatar)
+        if len(inside):
+            raise InputError(
+                f"{where} has a piece that starts inside the body and nowhere comes out of it; move it out",
+                faces=() if mesh.origin is None else mesh.origin.face[inside].tolist(),
+            )
 
 
 def _check_near(what: str, positions: Float, body: Float, limit: float) -> None:

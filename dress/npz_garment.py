@@ -21,12 +21,19 @@ from toile.geometry.errors import InputError
 
 HELD = "held_"
 """Begins the names of arrays of labelled vertices, such as held_lower_interface."""
+PIN_STIFFNESS = 1000.0
+"""Stiffness per area of pins of weight 1 that give way [N/m^3], unless the file has another.
+
+The weight of poplin, 1.2 N/m^2, moves one of weight 0.5 by 2.4 mm.
+"""
+STIFFEST = 1e6
+"""Largest such stiffness [N/m^3]: contact is twice as stiff."""
 PLANE = 1e-3
 """How far vertices of a piece may lie from a plane for it to count as flat fabric [m]."""
 SHAPES = {
     "vertices": (None, 3), "faces": (None, 3), "uv": (None, 2), "uv_faces": (None, 3), "panel": (None,),
     "polygon": (None,),
-    "pins": (None,), "stitches": (None, 2), "motion": (None, None, 3), "fps": (),
+    "pins": (None,), "pin_stiffness": (), "stitches": (None, 2), "motion": (None, None, 3), "fps": (),
 }  # fmt: skip
 
 
@@ -39,9 +46,10 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         The file. It holds `vertices` (n, 3) and `faces` (t, 3), and perhaps: `uv` (p, 2) and `uv_faces`
         (t, 3), texture vertices of one vertex each, the corners that results refer to (else they are the
         vertices); `panel` (t,), a number for every face, the lines between which stay; `polygon` (t,), the
-        number of every face in the program it comes from; `pins` (n,), 1 for vertices held in place;
-        `stitches` (s, 2), pairs of vertices to be sewn together; `held_LABEL`, numbers of vertices on an edge
-        of that label; `motion` (k, n, 3) and `fps`, where pins go while the avatar moves.
+        number of every face in the program it comes from; `pins` (n,), weights from 0 to 1: vertices of
+        weight 1 are held in place, others drawn to theirs by `pin_stiffness` [N/m^3] times their weight and
+        their area; `stitches` (s, 2), pairs of vertices to be sewn together; `held_LABEL`, numbers of
+        vertices on an edge of that label; `motion` (k, n, 3) and `fps`, where pins go while the avatar moves.
     name
         Name of the garment.
     edge_length
@@ -70,13 +78,12 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     )  # fmt: skip
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
-    pinned = np.zeros(len(vertices), bool)
-    if "pins" in held:
-        pinned = held["pins"] > 0
+    pins = _pins(path, held)
     labels = {key.removeprefix(HELD): held[key] for key in held if key.startswith(HELD)}
     mesh = replace(
         mesh,
-        pinned=_whole(mesh.origin, pinned[corner_vertex]),
+        pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
+        pull=_pull(path, held, pins, mesh.origin, corner_vertex),
         held={key: _whole(mesh.origin, np.isin(corner_vertex, numbers)) for key, numbers in labels.items()},
         motion=_motion(path, held, corner_vertex),
     )
@@ -106,6 +113,30 @@ def _read(path: Path) -> dict[str, Any]:
     if not len(held["faces"]):
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
     return held
+
+
+def _pins(path: Path, held: dict[str, Any]) -> Float:
+    """Return the weight of every vertex as a pin, shape (n,)."""
+    count = len(held["vertices"])
+    pins = held.get("pins", np.zeros(count)).astype(np.float64)
+    if len(pins) != count or ((pins < 0.0) | (pins > 1.0)).any():
+        raise InputError(f"{path}: `pins` must hold a weight between 0 and 1 for every vertex")
+    return np.asarray(pins)
+
+
+def _pull(path: Path, held: dict[str, Any], pins: Float, origin: Origin, corner_vertex: Int) -> Float | None:
+    """Return how hard material vertices are drawn to their places [N/m^3], shape (m,); None if none is."""
+    stiffness = float(held.get("pin_stiffness", PIN_STIFFNESS))
+    if not 0.0 <= stiffness <= STIFFEST:
+        raise InputError(f"{path}: `pin_stiffness` must lie between 0 and {STIFFEST:g} N/m^3")
+    gives = (pins > 0.0) & (pins < 1.0)
+    if not gives.any() or not stiffness:
+        return None
+    # Weights fall off towards vertices that are fixed or free, but nothing draws between those two.
+    faces = held["faces"]
+    near = np.zeros(len(pins), bool)
+    near[faces[gives[faces].any(axis=1)].ravel()] = True
+    return stiffness * origin.at_vertices(np.where(near, pins, 0.0)[corner_vertex])
 
 
 def _motion(path: Path, held: dict[str, Any], corner_vertex: Int) -> VertexMotion | None:

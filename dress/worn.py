@@ -7,6 +7,7 @@ from scipy.sparse import block_diag, csr_array
 from scipy.spatial import cKDTree
 
 from toile.engine.cloth import Cloth
+from toile.engine.goals import Goals
 from toile.engine.origin import Origin
 from toile.geometry.arrays import Float, Int
 
@@ -74,6 +75,7 @@ def worn_together(garments: list[Cloth]) -> Cloth:
         stitch_length=np.concatenate([cloth.stitch_length for cloth in garments]),
         held=joined("held", nodes), waist=joined("waist", nodes),
         pinned=np.concatenate([cloth.pinned for cloth in garments]),
+        goals=Goals.together([cloth.goals for cloth in garments], [cloth.positions for cloth in garments]),
         rest_curved=np.concatenate([cloth.rest_curved for cloth in garments]),
         start_positions=np.concatenate([cloth.start_positions for cloth in garments]),
         origin=Origin.together(

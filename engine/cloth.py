@@ -7,10 +7,11 @@ vertices (the distinction of Narain, Samii and O'Brien 2012).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.engine.fabric import Fabric
+from toile.engine.goals import Goals
 from toile.engine.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -54,12 +55,14 @@ class Cloth:
     pinned
         Nodes that no force moves, shape (n,).
     handles
-        How pinned nodes follow points that move: weight of every point in every pinned node, sparse (n, p);
-        None where pins stay where they are.
+        How pinned nodes, and goals of others, follow points that move: weight of every point in every such
+        node, sparse (n, p); rows without entries, and all nodes where this is None, stay where they are.
     rest_curved
         Whether the face's rest shape is its curved start shape, shape (t,).
     start_positions
         Start position of every material vertex [m], shape (m, 3): the rest shape of curved faces.
+    goals
+        Where nodes that are not pinned are drawn to, or None.
     origin
         Which corners and faces of the garments' files all this was made of; None where nobody asks.
     """
@@ -82,6 +85,7 @@ class Cloth:
     pinned: Bool
     rest_curved: Bool
     start_positions: Float
+    goals: Goals | None = None
     handles: csr_array | None = None
     origin: Origin | None = None
 
@@ -166,8 +170,10 @@ class Cloth:
             # A pin sewn to others takes them all to where the first one goes.
             own = np.flatnonzero(self.pinned)
             to, first = np.unique(label[own], return_index=True)
-            shape = (new_count, count)
-            handles = csr_array(csr_array((np.ones(len(to)), (to, own[first])), shape=shape) @ handles)
+            led = csr_array((np.ones(len(to)), (to, own[first])), shape=(new_count, count))
+            if self.goals is not None:
+                led = led + diags_array((~pinned).astype(np.float64)) @ self.goals.mean(label, self.node_area)
+            handles = csr_array(led @ handles)
         return replace(
             self,
             positions=mean(self.positions),
@@ -179,5 +185,6 @@ class Cloth:
             held=np.unique(label[self.held]).astype(np.int32),
             waist=np.unique(label[self.waist]).astype(np.int32),
             pinned=pinned,
+            goals=None if self.goals is None else self.goals.merged(label, self.node_area),
             handles=handles,
         )

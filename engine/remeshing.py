@@ -133,11 +133,13 @@ def remesh_run(
 def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: float | None) -> None:
     """Let free nodes, shape (n,), find their places in still air while all others stay.
 
-    With an `energy` [J] they stop on the way where the elastic energy is that.
+    With an `energy` [J] they stop on the way where the elastic energy is that, and no goals draw them.
     """
-    pinned, wind, still = stepper.pinned, stepper.wind, ~free
+    pinned, wind, goals, still = stepper.pinned, stepper.wind, stepper.goals, ~free
     stepper.pinned = still if pinned is None else pinned | still
     stepper.wind = None
+    if energy is not None:
+        stepper.goals = None
     anchors = None
     if stepper.search is not None:
         # Pairs in which nothing moves need no look; what they hold by friction they hold on.
@@ -153,7 +155,7 @@ def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: floa
     if stepper.search is not None:
         stepper.anchor[: len(still)][still] = anchors
         stepper.search.let_pass(np.zeros(len(stepper.anchor), bool))
-    stepper.pinned, stepper.wind = pinned, wind
+    stepper.pinned, stepper.wind, stepper.goals = pinned, wind, goals
 
 
 def _around(faces: Int, marked: Bool) -> Bool:
@@ -236,7 +238,8 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         held=marked(cloth.held),
         waist=marked(cloth.waist),
         pinned=mesh.pinned,
-        handles=None if cloth.handles is None else _handles(cloth.handles, mesh.pinned, transfer),
+        goals=None if cloth.goals is None else cloth.goals.carried(transfer),
+        handles=None if cloth.handles is None else _handles(cloth, mesh.pinned, transfer),
         rest_curved=rest_curved,
         start_positions=start,
         origin=None if cloth.origin is None else cloth.origin.carried(transfer),
@@ -248,9 +251,11 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
     return after
 
 
-def _handles(handles: csr_array, pinned: Bool, transfer: TransferMap) -> csr_array:
-    """Return the weights of moving points in the pinned nodes of the new mesh, sparse (n', p)."""
-    return csr_array(diags_array(pinned.astype(np.float64)) @ transfer.nodes @ handles)
+def _handles(cloth: Cloth, pinned: Bool, transfer: TransferMap) -> csr_array:
+    """Return the weights of moving points in the led nodes of the new mesh, sparse (n', p)."""
+    # Goals fade out: a node that is drawn may come to lie between any two.
+    led = pinned if cloth.goals is None else np.ones(len(pinned), bool)
+    return csr_array(diags_array(led.astype(np.float64)) @ transfer.nodes @ cloth.handles)
 
 
 def _motion(cloth: Cloth) -> Motion:

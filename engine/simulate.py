@@ -33,7 +33,7 @@ class Simulation(ClothRun):
 
     The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
     does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
-    motion there until they part. Pinned nodes follow the handles of the cloth, which go along `pin_motion`.
+    motion there until they part. Pins and goals follow the handles of the cloth, which go along `pin_motion`.
     `on_frame` is called with every audited frame and ends the film by returning False. Stages are clocked by
     CPU time unless `clock` does otherwise.
     """
@@ -200,10 +200,15 @@ class Simulation(ClothRun):
         return outcome, False
 
     def _pins(self, seconds: float) -> Float | None:
-        """Where handles take pinned nodes at a time [m], shape (n, 3); only rows of pins count."""
-        if self.pin_motion is None or self.cloth.handles is None:
+        """Where handles take pins and goals at a time [m], shape (n, 3); only their rows count."""
+        cloth = self.cloth
+        if self.pin_motion is None or cloth.handles is None:
             return None
-        return np.asarray(self.cloth.handles @ self.pin_motion.at(seconds))
+        stay = cloth.positions
+        if cloth.goals is not None:
+            stay = np.where(cloth.pinned[:, None], stay, cloth.goals.places)
+        led = np.asarray(cloth.handles.sum(axis=1)).reshape(-1, 1) > 0.5
+        return np.where(led, cloth.handles @ self.pin_motion.at(seconds), stay)
 
     def _catch_up(self) -> None:
         """Let cloth give way where it holds avatar or pins back, without time passing."""

@@ -73,6 +73,7 @@ class ClothStepper:
         self.stitch_length = cloth.stitch_length
         self.untangling: Untangling | None = None
         self.holds: Holds | None = None
+        self.goals = None if cloth.goals is None else cloth.goals.springs(cloth.node_area, cloth.pinned)
         if len(cloth.stitches):
             normals = vertex_normals(self.x, faces)
             self.holds = SewingHolds(self.x, normals, cloth.weld, cloth.stitches, cloth.held)
@@ -86,13 +87,10 @@ class ClothStepper:
         self.thickness = node_thickness(cloth)
         if avatar is not None or options.self_contact:
             self.search = ContactSearch(
-                faces,
-                weld,
-                avatar,
-                self_contact=options.self_contact,
+                faces, weld, avatar, self_contact=options.self_contact,
                 radius_self=max(options.radius_self, float(self.thickness.max())),
                 radius_body=options.radius_body,
-            )
+            )  # fmt: skip
             others = 0 if avatar is None else len(avatar.vertices)
             self.pair_friction = pair_friction(cloth, others, options.friction)
             self.area = np.concatenate(
@@ -155,6 +153,8 @@ class ClothStepper:
             scatter_gradients(self.stitches.pairs, self.stitches.element_gradient, gradient)
         if self.holds is not None and request.hold_stiffness > 0.0:
             self.holds.add_gradient(place, request.hold_stiffness, gradient)
+        if self.goals is not None:
+            self.goals.add_gradient(place, 1.0, gradient)
         if self.untangling is not None and request.untangle_stiffness > 0.0:
             self.untangling.add_gradient(request.untangle_stiffness, gradient)
         return gradient
@@ -190,6 +190,8 @@ class ClothStepper:
         outcome = StepOutcome(moved=np.zeros(len(self.x)))
         if self.wind is not None:
             self.wind.begin(start, request.seconds)
+        if self.goals is not None and request.pin_target is not None:
+            self.goals.targets = request.pin_target[self.goals.nodes]
         avatar_ahead: Float | None = None
         held_back = np.zeros(len(self.x), bool)
         for _ in range(request.newton):
@@ -228,6 +230,8 @@ class ClothStepper:
             stencils = []
             if self.holds is not None and request.hold_stiffness > 0.0:
                 stencils.append(self.holds.stencils(request.hold_stiffness))
+            if self.goals is not None:
+                stencils.append(self.goals.stencils(1.0))
             if self.untangling is not None and request.untangle_stiffness > 0.0:
                 stencils.append(self.untangling.stencils(request.untangle_stiffness))
             self.clock.add("assembly", now)
@@ -247,13 +251,9 @@ class ClothStepper:
                 if contacts is not None:
                     contacts.add_gradient(gradient)
                 move = backed_off(
-                    self.membrane,
-                    self.faces,
-                    self.x,
-                    move,
-                    gradient,
+                    self.membrane, self.faces, self.x, move, gradient,
                     lambda some: self._safe(some, np.inf)[0],
-                )
+                )  # fmt: skip
                 self._motion = np.linalg.norm(move, axis=1)
             else:
                 move, limited = self._safe_in_motion(result.solution, avatar_ahead)

@@ -88,8 +88,8 @@ class StepRequest:
     avatar_target
         Where the avatar's vertices shall be after a step in motion [m], shape (v, 3); None leaves them.
     pin_target
-        Where pinned nodes shall be after it [m], shape (n, 3), of which only their rows count; None leaves
-        them.
+        Where pinned nodes shall be after it, and others are drawn to where they have goals [m], shape (n, 3),
+        of which only their rows count; None leaves them.
     seconds
         Time at which it ends [s]: gusts depend on it.
     stage

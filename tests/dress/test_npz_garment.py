@@ -122,6 +122,51 @@ def test_pins_are_led(frames: list[DressedGarment]) -> None:
         assert distance.min() < 1e-5
 
 
+def test_weights_of_pins_that_give_way(tmp_path: Path) -> None:
+    """A row of vertices with weights 1, 1, 0, 0, 0.4, 0.8, 1: only what is beside a weak pin is drawn."""
+    weights = np.array([1.0, 1.0, 0.0, 0.0, 0.4, 0.8, 1.0])
+    u, v = (grid.ravel() for grid in np.meshgrid(np.arange(7.0), np.arange(2.0)))
+    vertices = 0.1 * np.column_stack([u, np.zeros(14), v])
+    first = np.arange(6)
+    faces = np.concatenate(
+        [np.stack([first, first + 7, first + 1], 1), np.stack([first + 1, first + 7, first + 8], 1)]
+    )
+    arrays = {"vertices": vertices, "faces": faces, "pins": np.tile(weights, 2)}
+    read = read_mesh_garment(write(tmp_path, pin_stiffness=500.0, **arrays), edge_length=0.04)
+    assert read.pull is not None and len(read.pull) > 40
+    place = read.positions[:, 0]
+    wanted = 500.0 * np.interp(place, 0.1 * np.arange(3.0, 7.0), [0.0, 0.4, 0.8, 1.0])
+    wanted[place < 0.3] = 0.0
+    assert read.pull == pytest.approx(wanted, abs=1e-5)
+    assert np.array_equal(read.pinned, np.flatnonzero((place < 0.1 + 1e-9) | (place > 0.6 - 1e-9)))
+    hard = np.where(arrays["pins"] == 1.0, 1.0, 0.0)
+    assert read_mesh_garment(write(tmp_path, **(arrays | {"pins": hard}))).pull is None
+    assert read_mesh_garment(write(tmp_path, pin_stiffness=0.0, **arrays)).pull is None
+
+
+def test_pins_that_give_way_are_led(tmp_path: Path) -> None:
+    """The sheet sinks beneath its goals, hanging in the air, by its weight over their stiffness."""
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
+    offsets = np.linspace(0.0, 0.02, 4)
+    np.savez(tmp_path / "ball.npz", faces=ball.faces, fps=24.0, vertices=np.stack([ball.vertices] * 4))
+    vertices, faces, uv = sheet(9, 0.7, 0.3)
+    path = write(
+        tmp_path, vertices=vertices, faces=faces, uv=uv, uv_faces=faces, pins=np.full(81, 0.5), fps=24.0,
+        motion=np.stack([vertices + np.array([away, 0.0, 0.0]) for away in offsets]), pin_stiffness=4000.0,
+    )  # fmt: skip
+    scene = Scene(
+        garments=[Garment(path, fabric="denim-12oz")], quality="preview", edge_length=0.05, remesh=False,
+        avatar=AvatarFile(path=tmp_path / "ball.npz", units="m", up="y"),
+    )  # fmt: skip
+    recorded: list[DressedGarment] = []
+    assert dress(scene, record=lambda _, garments: recorded.append(garments[0])).status == "converged"
+    start = recorded[0].positions
+    density = recorded[0].fabric.areal_density
+    assert start[:, 1] == pytest.approx(0.3 - 9.81 * density / 2000.0, abs=2e-5)
+    moved = recorded[-1].positions - start
+    assert moved[:, 0] == pytest.approx(0.02, abs=0.01) and np.abs(moved[:, 1:]).max() < 1e-3
+
+
 @pytest.mark.parametrize(
     ("arrays", "message"),
     [
@@ -135,6 +180,9 @@ def test_pins_are_led(frames: list[DressedGarment]) -> None:
             {"vertices": np.eye(3), "faces": [[0, 1, 2]], "motion": np.zeros((1, 3, 3)), "fps": 24.0},
             "two frames",
         ),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pins": [0.0, 1.5, 0.0]}, "weight between 0 and 1"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pins": [1.0]}, "for every vertex"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pin_stiffness": -1.0}, "between 0 and 1e"),
     ],
 )  # fmt: skip
 def test_mistakes_are_named(arrays: dict[str, Any], message: str, tmp_path: Path) -> None:

@@ -1,8 +1,4 @@
-"""The original vertices on the simulated surface, as a PC2 point cache that Blender's Mesh Cache plays."""
-
-import os
-import struct
-from pathlib import Path
+"""The vertices that a garment's file has, on its surface as it is now."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,31 +6,8 @@ from scipy.spatial import cKDTree
 from toile.dress.result import DressedGarment
 from toile.geometry.arrays import Float, Int
 
-HEADER = struct.Struct("<12siiffi")
 CANDIDATES = 24
 """Triangles in which a vertex is looked for: those with the nearest centres."""
-
-
-class PointCache:
-    """A PC2 file that grows frame by frame; the header counts only frames that are whole."""
-
-    def __init__(self, path: Path, points: int, first_frame: int) -> None:
-        self.path = path
-        self._points, self._first, self._frames = points, first_frame, 0
-        self._write_header("wb")
-
-    def add(self, points: Float) -> None:
-        """Append a frame, shape (n, 3)."""
-        with open(self.path, "ab") as file:
-            file.write(np.ascontiguousarray(points, "<f4").tobytes())
-            file.flush()
-            os.fsync(file.fileno())
-        self._frames += 1
-        self._write_header("r+b")
-
-    def _write_header(self, mode: str) -> None:
-        with open(self.path, mode) as file:
-            file.write(HEADER.pack(b"POINTCACHE2", 1, self._points, float(self._first), 1.0, self._frames))
 
 
 class OnSurface:
