@@ -1,8 +1,8 @@
-"""The avatar over time, written frame by frame into an .npz file as its modifiers and bones move it."""
+"""The avatar as its modifiers and bones move it."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
 
@@ -19,19 +19,23 @@ STILL, MOVING = "avatar.ply", "avatar.npz"
 class AvatarSnapshot:
     """All avatar objects as one surface; quads that bend keep the triangles of the first frame."""
 
-    def __init__(self, objects: list[Any], scene: Any, depsgraph: Any) -> None:
+    def __init__(self, objects: list[Any], scene: Any) -> None:
         self._objects, self._scene = objects, scene
         self._counts: list[int] = []
-        parts: list[Int] = []
-        for obj in objects:
+        self.faces: Int = np.empty((0, 3), np.int32)
+
+    def read(self, depsgraph: Any) -> Iterator[None]:
+        """Take over the faces, an object in every step."""
+        for obj in self._objects:
             with evaluated(obj, depsgraph) as mesh:
-                mirrored = obj.evaluated_get(depsgraph).matrix_world.is_negative
-                faces = triangles(mesh)[0]
-                parts.append((faces[:, ::-1] if mirrored else faces) + np.int32(sum(self._counts)))
+                faces = triangles(mesh)[0] + np.int32(sum(self._counts))
                 self._counts.append(len(mesh.vertices))
-        self.faces: Int = np.concatenate(parts)
+            if obj.evaluated_get(depsgraph).matrix_world.is_negative:
+                faces = faces[:, ::-1]
+            self.faces = np.concatenate([self.faces, faces])
+            yield
         if not len(self.faces):
-            raise Problem(f"'{objects[0].name}' has no faces: an avatar is a closed surface")
+            raise Problem(f"'{self._objects[0].name}' has no faces: an avatar is a closed surface")
 
     def see(self, depsgraph: Any) -> Float:
         """Vertices in the present frame [m], Y up, shape (v, 3)."""
@@ -50,25 +54,3 @@ class AvatarSnapshot:
 def write_still(folder: Path, vertices: Float, faces: Int) -> None:
     """Write an avatar that does not move."""
     (folder / STILL).write_bytes(ply_bytes(vertices, faces))
-
-
-class MotionWriter:
-    """An .npz of vertices over time, of which each frame is written when it comes."""
-
-    def __init__(self, folder: Path, frames: int, vertices: int) -> None:
-        self._zip = ZipFile(folder / MOVING, "w", ZIP_STORED)
-        self._stream = self._zip.open("vertices.npy", "w", force_zip64=True)
-        header = {"descr": "<f4", "fortran_order": False, "shape": (frames, vertices, 3)}
-        np.lib.format.write_array_header_1_0(self._stream, header)
-
-    def add(self, vertices: Float) -> None:
-        """Append a frame, shape (v, 3)."""
-        self._stream.write(np.ascontiguousarray(vertices, "<f4").tobytes())
-
-    def close(self, faces: Int, fps: float) -> None:
-        """Complete the file."""
-        self._stream.close()
-        for name, array in (("faces", faces), ("fps", np.float64(fps))):
-            with self._zip.open(f"{name}.npy", "w") as stream:
-                np.lib.format.write_array(stream, np.asarray(array))
-        self._zip.close()

@@ -17,6 +17,7 @@ from toile.blender_addon.problem import Problem
 from toile.blender_addon.result import select_faces, show_frames
 from toile.blender_addon.run import Current, Run, Steps
 from toile.blender_addon.scene_folder import cache_folder, of_role, stems, write_scene
+from toile.blender_addon.wind import not_understood
 
 
 class Place:
@@ -29,14 +30,12 @@ def dress_steps(context: Any) -> Steps:
     """Dress the avatars of the scene in its garments."""
     if not bpy.data.filepath:
         raise Problem("save the .blend file first: the frames are kept beside it")
-    garments = {
-        stem: obj.name
-        for obj, stem in zip(
-            of_role(context.scene, "GARMENT"), stems(of_role(context.scene, "GARMENT")), strict=True
-        )
-    }
+    objects = of_role(context.scene, "GARMENT")
+    garments = {stem: obj.name for obj, stem in zip(objects, stems(objects), strict=True)}
     folders = {stem: cache_folder(bpy.data.objects[name]) for stem, name in garments.items()}
     run = Current.run
+    if run is not None:
+        run.notes += not_understood(context.scene, context.scene.toile.mode == "SIMULATE")
     frames = 0
     try:
         with _folder() as folder:
@@ -110,10 +109,15 @@ def _folder() -> Iterator[Path]:
 def _spoken(task: str, folder: Path, run: Run | None) -> Generator[dict[str, Any] | None, None, None]:
     """Start the engine and yield what it says until it has ended or the run is cancelled."""
     environment = {} if Place.kernels is None else {"TOILE_CACHE_DIR": Place.kernels}
+    yield None
     engine = EngineProcess(task, folder, _bundled_paths(), environment)
+    yield None
     try:
         for message in engine.messages():
             if run is not None and run.cancelled:
+                # It takes a while to give its memory back.
+                while not engine.is_stopped():
+                    yield None
                 return
             if message is not None:
                 if "progress" in message and run is not None:

@@ -70,6 +70,12 @@ class EngineProcess:
         text = Path(self._errors.name).read_text(errors="replace").strip()
         return text.splitlines()[-1] if text else f"exit code {self._process.returncode}"
 
+    def is_stopped(self) -> bool:
+        """Ask the engine to stop; return whether it has."""
+        if self._process.poll() is None:
+            self._process.kill()
+        return self._process.poll() is not None
+
     def end(self) -> None:
         """Stop the engine if it still runs; frames on disk are whole."""
         if self._process.poll() is None:

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from toile.blender_addon.carried import Carried
-from toile.blender_addon.point_cache import OnSurface, PointCache
 from toile.blender_addon.usd_frame import write_usd_frame
 from toile.blender_addon.worker import SIDECAR
+from toile.dress.on_surface import OnSurface
 from toile.dress.result import DressedGarment
 from toile.dress.writers.atomic import write_atomic
+from toile.dress.writers.pc2 import PointCache
 
 
 class FrameWriter:

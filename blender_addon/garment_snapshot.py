@@ -6,23 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from toile.blender_addon.mesh_arrays import (
-    attributes,
-    corners,
-    loose_edges,
-    positions,
-    triangles,
-    vertex_groups,
-)
+from toile.blender_addon import mesh_arrays
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.result import is_ours
 from toile.blender_addon.space import moved, to_engine
+from toile.dress.writers.npz_motion import MotionWriter
 from toile.geometry.arrays import Float
 
-PINNED = 0.5
-"""Weight from which a vertex is pinned."""
+FIXED = 0.999
+"""Weight from which a pin does not give way, as in Blender's own cloth."""
+AT_ONCE = 8000
+"""Vertices whose groups are read in one step: Blender hands them out one by one."""
 HELD = "held_"
 """Begins the names of vertex groups of labelled edges, such as waistbands."""
 
@@ -58,28 +53,34 @@ def evaluated(obj: Any, depsgraph: Any) -> Iterator[Any]:
 class GarmentSnapshot:
     """One garment: seen whole in the first frame, then only where its pins go and how the object moves."""
 
-    def __init__(self, obj: Any, stem: str, scene: Any, depsgraph: Any) -> None:
+    def __init__(self, obj: Any, stem: str, scene: Any, folder: Path, frames: int) -> None:
         self.obj, self.stem = obj, stem
-        self._scene = scene
-        with evaluated(obj, depsgraph) as mesh:
-            self._read(mesh)
+        self._scene, self._folder, self._frames = scene, folder, frames
         self._to_local: list[Float] = []
-        self._motion: list[npt.NDArray[np.float32]] = []
+        self._motion: MotionWriter | None = None
 
-    def _read(self, mesh: Any) -> None:
-        """Take over mesh, groups and attributes."""
+    def read(self, depsgraph: Any) -> Iterator[None]:
+        """Take over mesh, groups and attributes, in steps that each take a moment."""
         settings, name = self.obj.toile, self.obj.name
-        if not len(mesh.polygons):
-            raise Problem(f"'{name}' has no faces: a garment is a surface")
-        faces, loops, polygon = triangles(mesh)
-        carried = attributes(mesh)
-        groups = vertex_groups(self.obj, mesh)
-        loop_vertex = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", loop_vertex)
+        with evaluated(self.obj, depsgraph) as mesh:
+            if not len(mesh.polygons):
+                raise Problem(f"'{name}' has no faces: a garment is a surface")
+            faces, loops, polygon = mesh_arrays.triangles(mesh)
+            carried = mesh_arrays.attributes(mesh)
+            loop_vertex = mesh_arrays.loop_vertices(mesh)
+            self._local = mesh_arrays.positions(mesh)
+            sewn = mesh_arrays.loose_edges(mesh)
+        yield
+        names = [group.name for group in self.obj.vertex_groups]
+        weights = np.zeros((len(names), len(self._local)), np.float32)
+        for start in range(0, len(self._local), AT_ONCE):
+            with evaluated(self.obj, depsgraph) as mesh:
+                mesh_arrays.add_group_weights(mesh, start, AT_ONCE, weights)
+            yield
+        groups = dict(zip(names, weights, strict=True))
         at_loops = [values for (domain, *_), values in carried.items() if domain == "CORNER"]
-        corner, first = corners(loop_vertex, at_loops)
-        self._local = positions(mesh)
-        self.arrays: dict[str, npt.NDArray[Any]] = {
+        corner, first = mesh_arrays.corners(loop_vertex, at_loops)
+        self.arrays: dict[str, Any] = {
             "faces": faces, "uv": np.zeros((len(first), 2)), "uv_faces": corner[loops], "polygon": polygon
         }  # fmt: skip
         material = carried.get(("FACE", "INT", "material_index"))
@@ -90,47 +91,52 @@ class GarmentSnapshot:
             if uv is None:
                 raise Problem(f"'{name}' has no UV map '{settings.warp_map}' for its warp; choose another")
             self.arrays["uv"] = uv[first].astype(np.float64)
-        self._pins = np.zeros(len(mesh.vertices), bool)
+        self._pins = False
         if settings.pin_group:
             if settings.pin_group not in groups:
                 raise Problem(f"'{name}' has no vertex group '{settings.pin_group}' for its pins")
-            self._pins = groups[settings.pin_group] >= PINNED
-            self.arrays["pins"] = self._pins
-        if settings.use_sewing and len(stitches := loose_edges(mesh)):
-            self.arrays["stitches"] = stitches
+            pins = groups[settings.pin_group]
+            self._pins = bool(pins.any())
+            self.arrays["pins"] = np.where(pins >= FIXED, np.float32(1.0), pins)
+            self.arrays["pin_stiffness"] = settings.pin_stiffness
+        if settings.use_sewing and len(sewn):
+            self.arrays["stitches"] = sewn
         for group, weights in groups.items():
             if group.startswith(HELD):
                 self.arrays[group] = np.flatnonzero(weights > 0.0)
         carried |= {("POINT", "FLOAT", group): weights for group, weights in groups.items()}
-        self.carried = {
+        self.carried: dict[str, Any] = {
             " ".join(key): values[first] if key[0] == "CORNER" else values for key, values in carried.items()
         }
         self.carried["corner_vertex"] = loop_vertex[first]
 
     def see(self, depsgraph: Any) -> None:
         """Note where object and pins are in the present frame."""
-        holder = self.obj.evaluated_get(depsgraph)
-        matrix = to_engine(holder.matrix_world, self._scene)
+        matrix = to_engine(self.obj.evaluated_get(depsgraph).matrix_world, self._scene)
         if abs(np.linalg.det(matrix)) < 1e-18:
             raise Problem(f"'{self.obj.name}' is scaled to nothing; give it a scale other than 0")
         self._to_local.append(np.asarray(np.linalg.inv(matrix), np.float64))
         local = self._local
-        if self._pins.any() and self._motion:
+        if len(self._to_local) == 1:
+            start = moved(matrix, local).astype(np.float32)
+            self.arrays["vertices"] = start.astype(np.float64)
+            if self._pins and self._frames > 1:
+                path = self._folder / f"{self.stem}.npz"
+                self._motion = MotionWriter(path, "motion", self._frames, len(start))
+        elif self._motion is not None:
             with evaluated(self.obj, depsgraph) as mesh:
-                local = positions(mesh)
+                local = mesh_arrays.positions(mesh)
             if len(local) != len(self._local):
-                raise Problem(
-                    f"'{self.obj.name}' changes its number of vertices; its pins need a constant one"
-                )
-        self._motion.append(moved(matrix, local).astype(np.float32))
-        if not self._pins.any():
-            del self._motion[1:]
+                name = self.obj.name
+                raise Problem(f"'{name}' changes its number of vertices; its pins need a constant one")
+        if self._motion is not None:
+            self._motion.add(moved(matrix, local))
 
-    def write(self, folder: Path, fps: float) -> None:
+    def write(self, fps: float) -> None:
         """Write what the engine reads, and what its frames carry."""
-        arrays: dict[str, Any] = dict(self.arrays, vertices=self._motion[0].astype(np.float64))
-        if len(self._motion) > 1:
-            arrays |= {"motion": np.stack(self._motion), "fps": np.float64(fps)}
-        np.savez(folder / f"{self.stem}.npz", **arrays)
-        carried: dict[str, Any] = dict(self.carried, to_local=np.stack(self._to_local))
-        np.savez(folder / f"{self.stem}_carried.npz", **carried)
+        arrays, carried = self.arrays, dict(self.carried, to_local=np.stack(self._to_local))
+        if self._motion is not None:
+            self._motion.close(**arrays, fps=fps)
+        else:
+            np.savez(self._folder / f"{self.stem}.npz", **arrays)
+        np.savez(self._folder / f"{self.stem}_carried.npz", **carried)

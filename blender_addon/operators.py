@@ -81,6 +81,8 @@ class _Runs:
 
     def _end(self, context: Any) -> None:
         if Current.run is not None:
+            for note in Current.run.notes:
+                self.report({"WARNING"}, note)  # type: ignore[attr-defined]
             Current.run.close()
             Current.run = None
         if self._timer is not None:

@@ -80,6 +80,8 @@ class TOILE_PT_fabric(_Physics, bpy.types.Panel):
         layout, own = self.layout, context.object.toile
         layout.use_property_split = True
         layout.prop_search(own, "pin_group", context.object, "vertex_groups")
+        if own.pin_group:
+            layout.prop(own, "pin_stiffness")
         layout.prop(own, "use_sewing")
         layout.prop(own, "fabric")
         layout.prop_search(own, "warp_map", context.object.data, "uv_layers")

@@ -60,12 +60,15 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
         },
         "thickness": FloatProperty(
             name="Thickness", description="Distance that layers keep; 0 is the fabric's own", min=0.0,
-            max=0.02,
-            subtype="DISTANCE", precision=4, step=0.01,
+            max=0.02, subtype="DISTANCE", precision=4, step=0.01,
         ),
         "warp_map": StringProperty(name="Warp", description="UV map whose V axis is the warp"),
         "pin_group": StringProperty(
-            name="Pins", description="Vertices of weight 0.5 and more go where the modifiers above take them"
+            name="Pins", description="Weight 1 goes where the modifiers above take it, less is drawn there"
+        ),
+        "pin_stiffness": FloatProperty(
+            name="Pin Stiffness", default=1000.0, min=0.0, max=1e6, soft_max=1e5, precision=0, step=1000,
+            description="Pressure per distance of pins that give way, times their weight [N/m³]",
         ),
         "use_sewing": BoolProperty(
             name="Sew Loose Edges", default=True, description="Loose edges are stitches: they draw shut"

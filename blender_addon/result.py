@@ -12,15 +12,8 @@ NAME = "toile"
 """Name of the modifier that shows the frames."""
 PRIM = "/garment"
 REFINING = {
-    "SUBSURF",
-    "MULTIRES",
-    "SOLIDIFY",
-    "BEVEL",
-    "NODES",
-    "SMOOTH",
-    "CORRECTIVE_SMOOTH",
-    "WEIGHTED_NORMAL",
-}
+    "SUBSURF", "MULTIRES", "SOLIDIFY", "BEVEL", "NODES", "SMOOTH", "CORRECTIVE_SMOOTH", "WEIGHTED_NORMAL"
+}  # fmt: skip
 """Modifiers that the cloth is refined by, and not made from."""
 
 

@@ -9,11 +9,13 @@ from typing import Any
 
 import bpy
 
-from toile.blender_addon.avatar_snapshot import MOVING, STILL, AvatarSnapshot, MotionWriter, write_still
+from toile.blender_addon.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
 from toile.blender_addon.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.properties import OWN_VALUES
 from toile.blender_addon.space import metres_per_unit
+from toile.blender_addon.wind import air_toml
+from toile.dress.writers.npz_motion import MotionWriter
 
 
 def of_role(scene: Any, role: str) -> list[Any]:
@@ -54,16 +56,20 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
         try:
             body: AvatarSnapshot | None = None
             writer: MotionWriter | None = None
+            air: list[str] = []
             for frame in frames:
                 if films:
                     scene.frame_set(frame)
                 depsgraph = context.evaluated_depsgraph_get()
                 if body is None:
-                    body = AvatarSnapshot(avatars, scene, depsgraph)
-                    yield "reading the avatar"
+                    body = AvatarSnapshot(avatars, scene)
+                    air = air_toml(scene) if films else []
+                    for _ in body.read(depsgraph):
+                        yield "reading the avatar"
                     for obj, stem in zip(garments, stems(garments), strict=True) if pattern is None else ():
-                        seen.append(GarmentSnapshot(obj, stem, scene, context.evaluated_depsgraph_get()))
-                        yield f"reading {obj.name}"
+                        seen.append(GarmentSnapshot(obj, stem, scene, folder, len(frames)))
+                        for _ in seen[-1].read(context.evaluated_depsgraph_get()):
+                            yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
                 for garment in seen:
@@ -72,18 +78,18 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
                     write_still(folder, vertices, body.faces)
                     continue
                 if writer is None:
-                    writer = MotionWriter(folder, len(frames), len(vertices))
+                    writer = MotionWriter(folder / MOVING, "vertices", len(frames), len(vertices))
                 writer.add(vertices)
                 yield f"reading frame {frame}"
             if writer is not None and body is not None:
-                writer.close(body.faces, fps)
+                writer.close(faces=body.faces, fps=fps)
         finally:
             if films:
                 scene.frame_set(before[0], subframe=before[1])
     for garment in seen:
-        garment.write(folder, fps)
+        garment.write(fps)
         yield f"reading {garment.obj.name}"
-    text = _scene_toml(scene, films, seen, pattern)
+    text = _scene_toml(scene, films, seen, pattern, air)
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     job = {
         "first_frame": frames[0],
@@ -119,7 +125,9 @@ def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
     }
 
 
-def _scene_toml(scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: str | None) -> str:
+def _scene_toml(
+    scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: str | None, air: list[str]
+) -> str:
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
     lines = [f'quality = "{settings.quality}"']
@@ -131,6 +139,7 @@ def _scene_toml(scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: s
         lines.append("remesh = false")
     elif settings.size_max > 0.0:
         lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
+    lines += air
     lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
     if pattern is not None:
         lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]

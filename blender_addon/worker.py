@@ -47,8 +47,10 @@ def _plain(error: InputError, folder: Path) -> str:
 
 
 def _named_garment(error: InputError, folder: Path) -> str:
-    """Return the name of the garment whose file the message names, or nothing."""
-    return next((path.stem for path in folder.glob("*.npz") if str(path) in str(error)), "")
+    """Return the name of the garment that the message names, or whose file, or nothing."""
+    text = str(error)
+    found = (path.stem for path in folder.glob("*.npz") if str(path) in text or f"'{path.stem}'" in text)
+    return next(found, "")
 
 
 def _dress(folder: Path) -> None:
