@@ -112,10 +112,10 @@ def test_neighbours_folded_through_each_other_count() -> None:
     faces = np.array([(0, 1, 2), (0, 3, 4)], np.int32)
     auditor = Auditor(None, None)
     assert as_set(auditor.audit(x, faces, unsewn(x)).cloth) == {(0, 1)}
-    # Two faces that share an edge, folded flat onto each other.
-    x = np.array([(0, 0, 0), (1, 0, 0), (0.4, 0, 1), (0.5, 0, 0.8)], float)
-    faces = np.array([(0, 1, 2), (1, 0, 3)], np.int32)
-    assert as_set(auditor.audit(x, faces, unsewn(x)).cloth) == {(0, 1)}
+    # By a hair's breadth, from either side.
+    for depth in (1e-6, -1e-6, 1e-9, -1e-9):
+        x = np.array([(0, 0, 0), (1, 0, 0), (0, 0, 1), (0.5, depth, 0.2), (0.3, -depth, 0.3)], float)
+        assert as_set(auditor.audit(x, faces, unsewn(x)).cloth) == {(0, 1)}
 
 
 def test_open_seams_do_not_count_until_they_are_sewn() -> None:
