@@ -5,6 +5,7 @@ import math
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from toile.dress.suggestion import unknown_name
 from toile.engine.fabric import Fabric
@@ -15,16 +16,24 @@ MUST_BE_POSITIVE = frozenset({"areal_density", "thickness", "stretch_warp", "str
 """Fields that cannot be zero: without mass or thread stiffness there is no cloth to simulate."""
 
 
+class DrapeBand(NamedTuple):
+    """Range of a fabric's Cusick drape coefficient [%], and whether it was estimated, not measured."""
+
+    low: float
+    high: float
+    estimated: bool
+
+
 @cache
 def fabrics() -> dict[str, Fabric]:
     """Return all presets by name, in the order of fabrics.csv (where the sources are)."""
     return {row["name"]: _from_row(row) for row in _rows()}
 
 
-def drape_bands() -> dict[str, tuple[float, float]]:
-    """Return the measured range of the Cusick drape coefficient [%] of the presets that have one, by name."""
+def drape_bands() -> dict[str, DrapeBand]:
+    """Return the range of the drape coefficient of the presets that have one, by name."""
     return {
-        row["name"]: (float(row["DC_low"]), float(row["DC_high"]))
+        row["name"]: DrapeBand(float(row["DC_low"]), float(row["DC_high"]), "est(DC)" in row["source"])
         for row in _rows()
         if row["DC_low"] and row["DC_high"]
     }
@@ -95,13 +104,14 @@ def _rows() -> list[dict[str, str]]:
 
 def _from_row(row: dict[str, str]) -> Fabric:
     """Return the fabric of one line of the table, converted to SI."""
+    calibrated = float(row["D_factor"]) * 1e-6
     return Fabric(
         name=row["name"],
         areal_density=float(row["areal_density_kg_m2"]),
         thickness=float(row["thickness_mm"]) * 1e-3,
-        bending_warp=float(row["D_warp_uNm"]) * 1e-6,
-        bending_weft=float(row["D_weft_uNm"]) * 1e-6,
-        bending_bias=float(row["D_bias_uNm"]) * 1e-6,
+        bending_warp=float(row["D_warp_uNm"]) * calibrated,
+        bending_weft=float(row["D_weft_uNm"]) * calibrated,
+        bending_bias=float(row["D_bias_uNm"]) * calibrated,
         stretch_warp=float(row["C11_N_m"]),
         stretch_weft=float(row["C22_N_m"]),
         shear=float(row["G_N_m"]),

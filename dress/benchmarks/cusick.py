@@ -92,6 +92,14 @@ def stiffer(material: Fabric, factor: float) -> Fabric:
     )  # fmt: skip
 
 
+def tauter(material: Fabric, factor: float) -> Fabric:
+    """Return a fabric so many times stiffer in tension, no stiffer in compression and shear."""
+    return replace(
+        material, stretch_warp=factor * material.stretch_warp, stretch_weft=factor * material.stretch_weft,
+        compression=material.compression / factor,
+    )  # fmt: skip
+
+
 def bent(material: Fabric, factor: float) -> Fabric:
     """Return a fabric whose bending is so many times stiffer."""
     return replace(

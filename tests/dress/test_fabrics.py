@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from toile.dress.fabrics import checked_fabric, fabric, fabric_table, fabrics
+from toile.dress.fabrics import DrapeBand, checked_fabric, drape_bands, fabric, fabric_table, fabrics
 from toile.geometry.errors import InputError
 
 
@@ -11,9 +11,16 @@ def test_presets_are_in_si_units() -> None:
     assert poplin.areal_density == 0.104
     assert poplin.thickness == pytest.approx(0.18e-3)
     assert (poplin.stretch_warp, poplin.stretch_weft, poplin.shear) == (2800.0, 4501.0, 120.0)
-    assert poplin.bending_warp == pytest.approx(5.5e-6)
-    assert poplin.bending_weft == pytest.approx(4.0e-6)
-    assert poplin.bending_bias == pytest.approx(4.5e-6)
+    silk = fabric("silk-charmeuse")
+    assert (silk.bending_warp, silk.bending_weft, silk.bending_bias) == pytest.approx(
+        (1.6e-6, 1.1e-6, 1.2e-6)
+    )
+
+
+def test_bending_is_that_of_the_source_times_a_factor_found_by_drape() -> None:
+    poplin = fabric("cotton-poplin")
+    bending = (poplin.bending_warp, poplin.bending_weft, poplin.bending_bias)
+    assert bending == pytest.approx((1.75 * 5.5e-6, 1.75 * 4.0e-6, 1.75 * 4.5e-6))
 
 
 def test_every_preset_is_physical_and_in_the_table() -> None:
@@ -23,6 +30,13 @@ def test_every_preset_is_physical_and_in_the_table() -> None:
         assert checked_fabric(preset) is preset
         assert name in table
         assert 1e-7 < preset.bending_bias < 1e-4
+
+
+def test_a_drape_band_tells_whether_it_was_measured() -> None:
+    bands = drape_bands()
+    assert bands["cotton-poplin"] == DrapeBand(60.0, 76.0, estimated=False)
+    assert bands["canvas"] == DrapeBand(75.0, 90.0, estimated=True)
+    assert "nylon-spandex" not in bands
 
 
 def test_unknown_name_suggests_the_nearest() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toile.dress.benchmarks.cusick import DISC, SPECIMEN, drape_coefficient, hung, ring_mesh, specimen
+from toile.dress.benchmarks.cusick import DISC, SPECIMEN, drape_coefficient, hung, ring_mesh, specimen, tauter
 from toile.dress.benchmarks.validate import VALIDATIONS, run_validation
 from toile.dress.benchmarks.validate_buckling import buckling_weight, critical_weight
 from toile.dress.benchmarks.validate_stick_slip import CRITICAL, critical_friction
@@ -82,6 +82,14 @@ def test_a_narrow_strip_on_edge_buckles_under_the_weight_of_the_theory(poisson: 
 
 def test_a_strip_pushed_from_below_leans_as_the_elastica_does() -> None:
     assert critical_friction("random", 5.0, 0.2) == pytest.approx(CRITICAL[5.0][0.2], rel=0.003)
+
+
+def test_tauter_cloth_resists_compression_and_shear_as_before() -> None:
+    cloth = fabric("wool-coating")
+    taut = tauter(cloth, 20.0)
+    assert taut.stretch_warp == pytest.approx(20.0 * cloth.stretch_warp)
+    assert taut.compression * taut.stretch_weft == pytest.approx(cloth.compression * cloth.stretch_weft)
+    assert taut.shear == cloth.shear
 
 
 def test_level_cloth_covers_its_ring_and_limp_cloth_hangs() -> None:
