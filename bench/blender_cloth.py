@@ -44,7 +44,7 @@ from blender_cloth_scenes import (
 from toile.collide.audit import Auditor
 from toile.dress.benchmarks.scenes import GRAVITY, SPHERE_RADIUS, sheet
 from toile.dress.kernels import DRAPE_KERNELS, load_kernels
-from toile.engine.film_plan import FilmFrame
+from toile.engine.film_plan import FilmFrame, FilmPlan
 from toile.engine.simulate import Simulation
 
 REPEATS = 3
@@ -65,8 +65,8 @@ class Film:
     versions: dict[str, str]
 
 
-def run_toile(scene: Scene, seconds: float = SECONDS) -> Film:
-    """Run a scene in toile."""
+def run_toile(scene: Scene, seconds: float = SECONDS, plan: FilmPlan | None = None) -> Film:
+    """Run a scene in toile, by the plan of its own benchmark scenes or another."""
     frames = []
 
     def on_frame(frame: FilmFrame) -> bool:
@@ -74,7 +74,7 @@ def run_toile(scene: Scene, seconds: float = SECONDS) -> Film:
         return True
 
     cloth = sheet(scene.flat, scene.faces, scene.positions, scene.pinned, FABRIC)
-    film = Simulation(cloth, scene.ball, toile_plan(), on_frame)
+    film = Simulation(cloth, scene.ball, plan or toile_plan(), on_frame)
     started = process_time()
     record = film.run(seconds)
     cpu = process_time() - started

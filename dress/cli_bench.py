@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Collection, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,16 +14,42 @@ if TYPE_CHECKING:
     from toile.dress.benchmarks.stress_row import StressRow
 
 
+DESCRIPTION = """\
+toile bench [NAME ...]             error against CPU time of the scenes cantilever, swing, hang, sphere, shirt
+toile bench compare OLD.json NEW.json  what became slower or less exact from one stored report to another
+toile bench remesh                 adaptive against uniform meshes
+
+The exit code is 1 where a bar is missed, or a point has become worse."""
+
+REPORT_OPTIONS = ("quick", "repeats", "out", "json")
+OWN_OPTIONS = {"remesh": ("repeats", "json", "scene", "seconds"), "compare": ("ratio",)}
+"""Options that the report takes, and those of the other studies."""
+
+
 def add_bench(commands: "Commands[Parser]") -> None:
     """Add the bench command."""
-    bench = commands.add_parser("bench", help="measure speed against error on reference scenes")
-    bench.add_argument("study", choices=("remesh",), help="remesh: adaptive against uniform meshes")
-    bench.add_argument("--scene", action="append", metavar="NAME", help="only this scene; repeat for more")
-    bench.add_argument("--seconds", type=float, metavar="S", help="length of the films, instead of their own")
-    bench.add_argument(
-        "--repeats", type=int, default=1, metavar="N", help="repeat what is timed; medians count"
+    bench = commands.add_parser(
+        "bench",
+        help="measure speed against error on reference scenes",
+        description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    bench.add_argument("name", nargs="*", metavar="NAME", help="scenes, or remesh, or compare OLD NEW")
+    bench.add_argument(
+        "--quick", action="store_true", help="coarser and fewer: minutes instead of most of an hour"
+    )
+    bench.add_argument("--repeats", type=int, metavar="N", help="repeat what is timed; medians count")
+    bench.add_argument("--out", type=Path, metavar="DIR", help="write speed_error.html, .md and .json there")
     bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
+    bench.add_argument(
+        "--ratio", type=float, metavar="R", help="compare: what is worse by more (default 1.25)"
+    )
+    bench.add_argument(
+        "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"
+    )
+    bench.add_argument(
+        "--seconds", type=float, metavar="S", help="remesh: length of the films, instead of their own"
+    )
     bench.set_defaults(run=_run_bench)
 
 
@@ -36,15 +63,35 @@ def add_stress(commands: "Commands[Parser]") -> None:
 
 
 def _run_bench(options: argparse.Namespace) -> int:
-    """Run a study; the exit code tells whether all its bars were met."""
+    """Run the study that is named; the exit code tells whether all is well."""
+    from toile.dress.cli_report import run_compare, run_report
+
+    study = options.name[0] if options.name else ""
+    if options.repeats is not None and options.repeats < 1:
+        raise InputError(f"--repeats must be at least 1, got {options.repeats}")
+    own = OWN_OPTIONS.get(study, REPORT_OPTIONS)
+    for option in sorted({*REPORT_OPTIONS, *chain(*OWN_OPTIONS.values())} - {*own}):
+        if getattr(options, option):
+            raise InputError(
+                f"--{option} is not for toile bench {study}".rstrip() + "; see toile bench --help"
+            )
+    if study == "compare":
+        return run_compare(options.name[1:], options.ratio)
+    if study == "remesh":
+        if len(options.name) > 1:
+            raise InputError(f"remesh stands alone; name its scenes with --scene, not '{options.name[1]}'")
+        return _run_remesh(options)
+    return run_report(options)
+
+
+def _run_remesh(options: argparse.Namespace) -> int:
+    """Compare adaptive and uniform meshes; the exit code tells whether all bars were met."""
     from toile.dress.benchmarks.remesh import FINEST, bench_scene, table
 
     _check_names("scene", options.scene or (), FINEST)
-    if options.repeats < 1:
-        raise InputError(f"--repeats must be at least 1, got {options.repeats}")
     rows = []
     for name in options.scene or FINEST:
-        rows.append(bench_scene(name, options.seconds, options.repeats, say=say_progress))
+        rows.append(bench_scene(name, options.seconds, options.repeats or 1, say=say_progress))
         _store(rows, options.json)
     print(table(rows))
     return MISSED if any(row.missed() for row in rows) else DONE

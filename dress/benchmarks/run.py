@@ -1,5 +1,6 @@
 """One timed run of a reference scene."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib import import_module
 from time import process_time
@@ -12,6 +13,8 @@ from toile.dress.kernels import DRAPE_KERNELS, PANEL_KERNELS, REMESH_KERNELS, lo
 from toile.dress.progress import ProgressState
 from toile.dress.scene import Garment, Scene
 from toile.engine.film_plan import FilmFrame
+from toile.engine.linear_system import LinearSystem
+from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.simulate import Simulation
 from toile.geometry.arrays import Float, Int
 from toile.remesh.sizing import SizingOptions
@@ -38,6 +41,12 @@ class Run:
         Largest rise and fall of the elastic energy in a remeshing, as a share of it.
     drape_coefficient
         Area of the shadow along the rest normal over the area of the cloth, mean over the second half.
+    audit_share
+        Share of the CPU time that the audit of a film's frames took.
+    strain_max
+        Largest strain along warp or weft in a film's frames.
+    steps
+        Time steps of a film.
     surfaces
         Nodes [m], shape (n, 3), and faces, shape (t, 3): of a film after every SAMPLED seconds, of a drape at
         the end.
@@ -50,12 +59,21 @@ class Run:
     energy_jump: float
     energy_drop: float
     drape_coefficient: float
+    audit_share: float = 0.0
+    strain_max: float = 0.0
+    steps: int = 0
     surfaces: tuple[tuple[Float, Int], ...]
 
 
-def run_film(scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions | None) -> Run:
-    """Run a film for its own length or `seconds`, on an adaptive mesh if `sizing` says how."""
-    _load()
+def run_film(
+    scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions | None,
+    preconditioning: Callable[[LinearSystem], Preconditioner] | None = None,
+) -> Run:  # fmt: skip
+    """Run a film for its own length or `seconds`, on an adaptive mesh if `sizing` says how.
+
+    `preconditioning` makes another preconditioner than the usual one, on a mesh that stays.
+    """
+    load_all_kernels()
     length = seconds or scene.seconds
     shadows, surfaces = [], []
     every = round(SAMPLED / scene.plan.frame_seconds)
@@ -70,6 +88,8 @@ def run_film(scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions
     normal = _mean_normal(scene.cloth.positions, scene.cloth.face_nodes)
     started = process_time()
     film = Simulation(scene.cloth, scene.avatar, replace(scene.plan, sizing=sizing), on_frame)
+    if preconditioning is not None:
+        film.stepper.solver.preconditioner = preconditioning(film.stepper.system)
     record = film.run(length)
     cpu = process_time() - started
     jumps = [done.energy_jump for done in record.remeshings]
@@ -81,6 +101,9 @@ def run_film(scene: BenchmarkScene, seconds: float | None, sizing: SizingOptions
         energy_jump=max(jumps, default=0.0),
         energy_drop=-min(jumps, default=0.0),
         drape_coefficient=float(np.mean(shadows)) / float(scene.cloth.rest_area.sum()),
+        audit_share=film.clock.seconds["audit"] / cpu,
+        strain_max=max(record.stretch_max),
+        steps=record.steps,
         surfaces=tuple(surfaces),
     )
 
@@ -97,7 +120,7 @@ def run_shirt(edge: float, sizing: SizingOptions | None) -> Run:
         garments=[Garment("tshirt")], quality="standard", remesh=sizing or False,
         edge_length=None if sizing else edge,
     )  # fmt: skip
-    _load()
+    load_all_kernels()
     result = dress(scene, progress=count)
     report, garment = result.report, result.garments[0]
     cpu = report["cpu_seconds"] - report["stage_seconds"]["compile"]
@@ -113,7 +136,7 @@ def run_shirt(edge: float, sizing: SizingOptions | None) -> Run:
     )
 
 
-def _load() -> None:
+def load_all_kernels() -> None:
     """Load all that is loaded on first use: it shall not count as CPU time."""
     load_kernels((*DRAPE_KERNELS, *PANEL_KERNELS, *REMESH_KERNELS))
     import_module("toile.engine.remeshing")
