@@ -29,30 +29,20 @@ import numpy as np
 from integrators_page import draw, page
 
 from toile.dress.benchmarks.oscillators import EXACT, loss_per_second, measured_order
+from toile.dress.benchmarks.report.swing import INTEGRATORS, SOLVED
 from toile.dress.benchmarks.swing import SECONDS, rms_distance, swing
 from toile.dress.fabrics import fabric
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.advance import Advance, ErrorControl, advance, advance_within
-from toile.engine.integrators.backward_euler import BackwardEuler
 from toile.engine.integrators.baraff_witkin import BaraffWitkin
 from toile.engine.integrators.bdf2 import Bdf2
 from toile.engine.integrators.explicit_euler import ExplicitEuler
 from toile.engine.integrators.motion import Integrator, Motion
-from toile.engine.integrators.newton import NewtonOptions
 from toile.engine.integrators.stages import backward_euler_stage
 from toile.engine.integrators.symplectic_euler import SymplecticEuler
-from toile.engine.integrators.tr_bdf2 import TrBdf2
 from toile.engine.spring_cloth import grid_springs, spring_dynamics
 from toile.engine.triangle_dynamics import triangle_dynamics
 
-SOLVED = NewtonOptions(tolerance=0.1)
-"""Of all implicit steps but the analytic ones and those that follow an error."""
-IMPLICIT: dict[str, Callable[[NewtonOptions], Integrator]] = {
-    "Baraff-Witkin": lambda newton: BaraffWitkin(cg_tolerance=newton.cg_tolerance),
-    "backward Euler": lambda newton: BackwardEuler(newton=newton),
-    "BDF2": lambda newton: Bdf2(newton=newton),
-    "TR-BDF2": lambda newton: TrBdf2(newton=newton),
-}
 EXPLICIT: dict[str, Integrator] = {"explicit Euler": ExplicitEuler(), "symplectic Euler": SymplecticEuler()}
 LONGEST = 0.1
 SWING_ENERGY = 0.104 * 9.81 / 2.0
@@ -125,7 +115,7 @@ def fixed(integrator: Integrator, h: float) -> Callable[[Dynamics, Motion], Adva
 def within(name: str, rate: float) -> Callable[[Dynamics, Motion], Advance]:
     control = ErrorControl(rate=rate)
     return lambda dynamics, motion: advance_within(
-        IMPLICIT[name](control.newton), dynamics, motion, SECONDS, control
+        INTEGRATORS[name](control.newton), dynamics, motion, SECONDS, control
     )
 
 
@@ -153,7 +143,7 @@ def largest_stable_step(scene: Scene, integrator: Integrator, longest: float, ro
 
 def analytic() -> list[dict[str, object]]:
     rows = []
-    everything = EXPLICIT | {name: make(EXACT) for name, make in IMPLICIT.items()}
+    everything = EXPLICIT | {name: make(EXACT) for name, make in INTEGRATORS.items()}
     everything["Baraff-Witkin"] = BaraffWitkin(cg_tolerance=1e-12)
     for name, integrator in everything.items():
         row = {
@@ -180,7 +170,7 @@ def models(quick: bool) -> tuple[list[dict[str, object]], dict[str, float]]:
                 rows.append({"model": model, "largest_stable_s": round(stable, 6)} | row)
             if not stable:
                 rows.append({"model": model, "integrator": name, "largest_stable_s": 0.0})
-        for name, make_integrator in IMPLICIT.items():
+        for name, make_integrator in INTEGRATORS.items():
             integrator = make_integrator(SOLVED)
             stable = largest_stable_step(scene, integrator, LONGEST, 20)
             for count in (60, 240) if quick else (30, 60, 120, 240, 480):
@@ -198,10 +188,10 @@ def swing_study(cells: int, quick: bool, repeats: int) -> tuple[list[dict[str, o
         rows.append(
             run(scene, "symplectic Euler", repeats, fixed(SymplecticEuler(), 1 / count), f"1/{count}")
         )
-    counts = {name: (30, 60, 120, 240, 480) for name in IMPLICIT}
+    counts = {name: (30, 60, 120, 240, 480) for name in INTEGRATORS}
     if not quick:
         counts["Baraff-Witkin"] = counts["backward Euler"] = (60, 240, 960, 1920)
-    for name, make in IMPLICIT.items():
+    for name, make in INTEGRATORS.items():
         for count in counts[name]:
             rows.append(run(scene, name, repeats, fixed(make(SOLVED), 1 / count), f"1/{count}"))
     for name in ("BDF2", "TR-BDF2"):
@@ -281,7 +271,7 @@ def main() -> None:
     facts["swing"] = rows
     facts["newton"] = newton_step(100)
     facts["equal_error"] = [
-        {"rms_m": error} | {f"{name} cpu_s": rounded(cpu_at(rows, name, error)) for name in IMPLICIT}
+        {"rms_m": error} | {f"{name} cpu_s": rounded(cpu_at(rows, name, error)) for name in INTEGRATORS}
         for error in (0.06, 0.04, 0.028)
     ]
     if options.json:
@@ -290,7 +280,7 @@ def main() -> None:
         (options.out / "integrators.json").write_text(json.dumps(facts, indent=1) + "\n")
         (options.out / "integrators.md").write_text(page(facts, cells, SWING_ENERGY, LONGEST))
     if options.picture:
-        draw(facts, [*EXPLICIT, *IMPLICIT], cells, options.picture)
+        draw(facts, [*EXPLICIT, *INTEGRATORS], cells, options.picture)
 
 
 def commit() -> str:

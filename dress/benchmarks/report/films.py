@@ -6,7 +6,7 @@ from math import inf
 from statistics import mean
 from typing import NamedTuple
 
-from toile.dress.benchmarks.report.point import Effort, Point
+from toile.dress.benchmarks.report.point import Chart, Effort, Point
 from toile.dress.benchmarks.report.timed import repeated
 from toile.dress.benchmarks.run import Run, run_film
 from toile.dress.benchmarks.scenes import BenchmarkScene
@@ -107,6 +107,23 @@ class FilmStudy:
             },
         )  # fmt: skip
 
+    def chart(self, effort: Effort, steps: int, newton: int) -> Chart:
+        """Compute the film in all ways, and in so many steps per second and iterations on half the edges."""
+        edge = 0.5 * self.edge
+        finest = exactly(edge, steps, newton)
+        reference = self.run(finest)
+        coarse = self.run(exactly(2.0 * edge, steps // 2, newton))
+        effort.say(f"{self.name}: reference is done, {reference.cpu:.0f} CPU s")
+        return Chart(
+            scene=self.name,
+            title="meshes, steps, solvers and contact",
+            error="mean distance of the surface, mean over 1 s of film",
+            unit="mm",
+            reference=f"{finest.label}, {reference.cpu:.0f} CPU s",
+            floor=distance(coarse, reference),
+            points=tuple(self.point(effort, way, reference) for way in self.ways(effort)),
+        )
+
     def ways(self, effort: Effort) -> Iterator[Way]:
         """Return all ways: one thing is varied at a time, the others are those of BASE."""
         edge, quick = self.edge, effort.quick
@@ -130,6 +147,11 @@ class FilmStudy:
         for factor in STIFFNESS:
             yield Way("contact stiffness", f"{factor:g} x", edge, _pressing(factor))
         yield Way("cloth passes through itself", "no self-contact", edge, _passing)
+
+
+def film_edge(effort: Effort) -> float:
+    """Edge of most points [m]."""
+    return 0.05 if effort.quick else 0.025
 
 
 def distance(run: Run, reference: Run) -> float:

@@ -1,38 +1,26 @@
 """`sphere`: a sheet falls on a sphere, folds and touches itself."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from toile.dress.benchmarks.report.films import FilmStudy, Way, distance, exactly
+from toile.dress.benchmarks.report.films import FilmStudy, Way, film_edge
 from toile.dress.benchmarks.report.point import Bar, Chart, Effort
 from toile.dress.benchmarks.report.timed import repeated
 from toile.dress.benchmarks.scenes import sphere
 
 ANGLES = (0.8, 0.4)
 """Of adaptive meshes [rad]."""
-NEWTON = 1
-"""Iterations per step of the reference: contacts come and go, and four would end in shortest steps only."""
+STEPS, NEWTON = 240, 1
+"""Of the reference: contacts come and go, and four iterations would end in shortest steps only."""
 CELL, BAR_SECONDS, TIME_BAR = 0.02, 2.0, 5.0
 """Of the bar: edges [m] of 50 x 50, length of the film [s], CPU s per simulated second."""
 
 
 def study_sphere(effort: Effort) -> Iterator[Chart]:
     """Measure all ways to compute the film."""
-    study = FilmStudy("sphere", sphere, 0.05 if effort.quick else 0.025, ANGLES)
-    edge, count = 0.5 * study.edge, 240
-    finest = exactly(edge, count, NEWTON)
-    reference = study.run(finest)
-    coarse = study.run(exactly(2.0 * edge, count // 2, NEWTON))
-    effort.say(f"sphere: reference is done, {reference.cpu:.0f} CPU s")
-    yield Chart(
-        scene="sphere",
-        title="meshes, steps, solvers and contact",
-        error="mean distance of the surface, mean over 1 s of film",
-        unit="mm",
-        reference=f"{finest.label}, {reference.cpu:.0f} CPU s",
-        floor=distance(coarse, reference),
-        points=tuple(study.point(effort, way, reference) for way in study.ways(effort)),
-        bars=() if effort.quick else _bars(study, effort),
-    )
+    study = FilmStudy("sphere", sphere, film_edge(effort), ANGLES)
+    chart = study.chart(effort, STEPS, NEWTON)
+    yield chart if effort.quick else replace(chart, bars=_bars(study, effort))
 
 
 def _bars(study: FilmStudy, effort: Effort) -> tuple[Bar, ...]:
