@@ -29,11 +29,11 @@ import numpy as np
 from integrators_page import draw, page
 
 from toile.dress.benchmarks.oscillators import EXACT, loss_per_second, measured_order
-from toile.dress.benchmarks.report.swing import INTEGRATORS, SOLVED
+from toile.dress.benchmarks.report.swing import INTEGRATORS, SOLVED, within
 from toile.dress.benchmarks.swing import SECONDS, rms_distance, swing
 from toile.dress.fabrics import fabric
 from toile.engine.dynamics import Dynamics
-from toile.engine.integrators.advance import Advance, ErrorControl, advance, advance_within
+from toile.engine.integrators.advance import Advance, advance
 from toile.engine.integrators.baraff_witkin import BaraffWitkin
 from toile.engine.integrators.bdf2 import Bdf2
 from toile.engine.integrators.explicit_euler import ExplicitEuler
@@ -110,13 +110,6 @@ def run(
 
 def fixed(integrator: Integrator, h: float) -> Callable[[Dynamics, Motion], Advance]:
     return lambda dynamics, motion: advance(integrator, dynamics, motion, SECONDS, h)
-
-
-def within(name: str, rate: float) -> Callable[[Dynamics, Motion], Advance]:
-    control = ErrorControl(rate=rate)
-    return lambda dynamics, motion: advance_within(
-        INTEGRATORS[name](control.newton), dynamics, motion, SECONDS, control
-    )
 
 
 def is_stable(scene: Scene, integrator: Integrator, h: float) -> bool:

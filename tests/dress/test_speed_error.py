@@ -192,8 +192,10 @@ def test_pages_are_well_formed_and_show_every_curve() -> None:
 
 
 def test_a_chart_without_points_is_drawn() -> None:
-    ElementTree.fromstring(chart_svg(chart()))
-    ElementTree.fromstring(chart_svg(chart(point(1.0, 1.0))))
+    empty, one = (
+        ElementTree.fromstring(chart_svg(drawn)) for drawn in (chart(), chart(point(1.0, 1.0, "a curve")))
+    )
+    assert "a curve" not in "".join(empty.itertext()) and "a curve" in "".join(one.itertext())
 
 
 def test_times_at_equal_error_are_read_between_points() -> None:
