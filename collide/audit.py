@@ -28,7 +28,8 @@ def bvh_model(positions: Float, faces: Int) -> fcl.BVHModel:
     """FCL hierarchy of a triangle surface."""
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(positions))
-    model.addSubModel(positions, faces)
+    # Its loop over triangles reads numbers of Python in half the time that it takes for those of numpy.
+    model.addSubModel(positions, faces.tolist())
     model.endModel()
     return model
 

@@ -1,12 +1,11 @@
 """The contact search of one cloth topology against one avatar: candidates carried over between steps."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import types
 
 from toile.collide import bvh
 from toile.collide.candidates import find_candidates
+from toile.collide.cover import Cover
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -88,25 +87,6 @@ class AvatarSurface:
         return np.asarray(np.bincount(self.faces.ravel(), weights=shares, minlength=count), np.float64)
 
 
-class Cover(NamedTuple):
-    """For which places candidates are complete.
-
-    Nodes may be `allowed` [m], shape (n,), away from `origin` [m], shape (n, 3), or from places that `drift`
-    [m] away from there, all at the same pace.
-    """
-
-    origin: Float
-    allowed: Float
-    drift: Float | None
-
-    def allowance(self, x: Float) -> Float:
-        """How far nodes may still move from x [m], shape (n,)."""
-        away = x - self.origin
-        if self.drift is not None:
-            away -= _pace(away, self.drift) * self.drift
-        return np.asarray(self.allowed - np.sqrt(np.einsum("ij,ij->i", away, away)))
-
-
 class ContactSearch:
     """Candidate pairs that stay complete while no node has used up its allowed motion.
 
@@ -150,7 +130,7 @@ class ContactSearch:
         if avatar is not None:
             self.positions[count:] = avatar.vertices
             shifted = avatar.surface.faces + np.int32(count)
-            self._avatar_surface = Surface(shifted, avatar.surface.owns_vertex, avatar.surface.owns_edge)
+            self._avatar_surface = Surface(shifted, avatar.surface.owned)
         self._boxes = np.empty((len(face_nodes), 12))
         self._tree: bvh.Bvh | None = None
         self._among_cloth = self._with_body = Cover(np.full((count, 3), np.nan), np.zeros(count), None)
@@ -305,16 +285,3 @@ class ContactSearch:
         else:
             bvh.refit(self._tree, self._boxes)
         return self._tree
-
-
-def _pace(away: Float, drift: Float) -> float:
-    """How much of their drift nodes have done, 0 to 1: the median of those that drift farthest.
-
-    Any common share is valid; that of most nodes leaves the least to the others' allowance.
-    """
-    square = np.einsum("ij,ij->i", drift, drift)
-    far = square >= 0.25 * square.max()
-    if not square.max() > 0.0:
-        return 0.0
-    done = np.einsum("ij,ij->i", away[far], drift[far]) / square[far]
-    return float(np.clip(np.median(done), 0.0, 1.0))

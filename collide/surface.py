@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toile.geometry.arrays import Bool, Int
+from toile.geometry.arrays import Int
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Faces and ownership flags.
+    """Faces and what they own.
 
     Representative triangles (Curtis, Tamstorf and Manocha 2008): a pair of faces tests only the vertices
     and edges that its faces own, so every vertex-face and edge-edge pair is tested once.
@@ -18,15 +18,12 @@ class Surface:
     ----------
     faces
         Vertex indices, shape (t, 3).
-    owns_vertex
-        Whether face t owns its corner k, shape (t, 3).
-    owns_edge
-        Whether face t owns its edge from corner k to corner k + 1, shape (t, 3).
+    owned
+        What face t owns, as bits, shape (t,): bit k its corner k, bit 3 + k its edge from there to the next.
     """
 
     faces: Int
-    owns_vertex: Bool
-    owns_edge: Bool
+    owned: Int
 
 
 def surface_of(faces: Int) -> Surface:
@@ -39,6 +36,7 @@ def surface_of(faces: Int) -> Surface:
     keys = edges[:, 0] * (int(faces.max(initial=0)) + 1) + edges[:, 1]
     owns_edge = np.zeros(keys.shape, bool)
     owns_edge[np.unique(keys, return_index=True)[1]] = True
+    flags = np.hstack([owns_vertex.reshape(-1, 3), owns_edge.reshape(-1, 3)])
     return Surface(
-        np.ascontiguousarray(faces, np.int32), owns_vertex.reshape(-1, 3), owns_edge.reshape(-1, 3)
+        np.ascontiguousarray(faces, np.int32), (flags << np.arange(6)).sum(axis=1).astype(np.int32)
     )

@@ -40,6 +40,8 @@ FOLLOWS = ("converged", "frame_limit")
 """States of a drape after which garments follow an avatar that moves."""
 SEWING_COARSENESS = 1.75, 2.0, 1.5, 1.0
 """Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
+SEWING_FINENESS = 1.0, 0.92
+"""The same in edges as asked for, where the mesh stays: seams that jam in one may close in another."""
 
 
 def dress(
@@ -245,7 +247,8 @@ def _sizing(scene: Scene) -> SizingOptions | None:
 def _sewing_edge_lengths(scene: Scene, sizing: SizingOptions | None) -> list[float]:
     """Return the edge lengths [m] in which the garments are sewn, one after the other until seams close."""
     if sizing is None:
-        return [scene.edge_length or quality_preset(scene.quality).edge_length]
+        asked = scene.edge_length or quality_preset(scene.quality).edge_length
+        return [factor * asked for factor in SEWING_FINENESS]
     lengths = (min(factor * sizing.size_min, sizing.size_max) for factor in SEWING_COARSENESS)
     return list(dict.fromkeys(lengths))
 

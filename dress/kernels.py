@@ -23,6 +23,7 @@ DRAPE_KERNELS = (
     "toile.engine.preconditioner.rigid_coarse",
     "toile.collide.bvh",
     "toile.collide.candidates",
+    "toile.collide.cover",
     "toile.collide.search",
     "toile.collide.shrunken",
     "toile.geometry.slope_stencil",

@@ -82,14 +82,21 @@ class IterationSolver:
                 break
             friction = after
             rubbing = rubbed(contacts, friction)
-            result = self._solved(iteration, rubbing, clock, result.solution)
+            result = self._solved(iteration, rubbing, clock, result)
             iterations += result.iterations
+            if not result.iterations:
+                # What friction changed is less than the solver resolves.
+                break
         return result._replace(iterations=iterations), rubbing
 
     def _solved(
-        self, iteration: Iteration, contacts: Contacts | None, clock: StageClock, start: Float | None = None
+        self,
+        iteration: Iteration,
+        contacts: Contacts | None,
+        clock: StageClock,
+        known: CgResult | None = None,
     ) -> CgResult:
-        """Solve one linear system, from a first guess [m], shape (n, 3)."""
+        """Solve one linear system, from the solution of one that differs little."""
         now = clock.now()
         request, stencils = iteration.request, iteration.stencils
         gradient = iteration.gradient.copy()
@@ -101,13 +108,14 @@ class IterationSolver:
             pinned=iteration.pinned, bending_scale=request.bending_factor,
         )  # fmt: skip
         ahead = iteration.ahead
-        if start is None:
+        if known is None:
             self.preconditioner.update(self.system, iteration.positions)
         now = clock.add("assembly", now)
+        start = None if known is None else known.solution if ahead is None else known.solution - ahead
         result = solve(
             self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
-            max_iterations=request.cg_iterations,
-            start=start if start is None or ahead is None else start - ahead,
+            max_iterations=request.cg_iterations, start=start,
+            reference=None if known is None else known.reference,
         )  # fmt: skip
         clock.add("solve", now)
         return result if ahead is None else result._replace(solution=result.solution + ahead)

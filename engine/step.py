@@ -30,7 +30,7 @@ from toile.engine.step_memory import Memory, Saved
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float
 
-DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.3
+DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.2
 """Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
 OVERSIZE = 4.0
 """Candidates for more than this many times the motion at hand are too many, and searched anew."""

@@ -237,8 +237,10 @@ def test_marked_nodes_pass_each_other_and_nothing_else() -> None:
 def test_every_vertex_and_edge_has_one_owner() -> None:
     _, faces = sheet(5, 0.02)
     surface = surface_of(faces)
-    assert sorted(faces[surface.owns_vertex]) == list(range(25))
+    bits = surface.owned[:, None] >> np.arange(6) & 1
+    assert sorted(faces[bits[:, :3] == 1]) == list(range(25))
     starts, ends = faces, np.roll(faces, -1, axis=1)
-    owned = np.stack([starts[surface.owns_edge], ends[surface.owns_edge]], axis=1)
+    owns_edge = bits[:, 3:] == 1
+    owned = np.stack([starts[owns_edge], ends[owns_edge]], axis=1)
     assert np.array_equal(np.unique(np.sort(owned, axis=1), axis=0), edges_of(faces))
     assert len(owned) == len(edges_of(faces))
