@@ -67,13 +67,17 @@ class Side:
 class Draft:
     """A panel whose sides have names, so that seams can be written down in words.
 
-    The sides run counter-clockwise in (x, y); `turned` gives the panel that shows its wrong side to +z.
+    The sides run counter-clockwise in (x, y); `turned` gives the panel that shows its wrong side to +z. It is
+    placed tilted, its lower end forward, then turned about the vertical by its azimuth, from the front to the
+    left, then about z.
     """
 
     name: str
     sides: tuple[Side, ...]
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turn_degrees: float = 0.0
+    tilt_degrees: float = 0.0
+    azimuth_degrees: float = 0.0
     label: str = ""
 
     def turned(self) -> "Draft":
@@ -89,6 +93,7 @@ class Draft:
             sides=tuple(side.mirrored().backwards() for side in reversed(self.sides)),
             translation=(-x, y, z),
             turn_degrees=-self.turn_degrees,
+            azimuth_degrees=-self.azimuth_degrees,
         )
 
     def side_index(self, name: str) -> int:
@@ -106,7 +111,7 @@ class Draft:
             vertices=tuple(side.start for side in self.sides),
             edges=tuple(side.edge(index, count) for index, side in enumerate(self.sides)),
             translation=self.translation,
-            rotation_degrees=(0.0, 0.0, self.turn_degrees),
+            rotation_degrees=(-self.tilt_degrees, self.azimuth_degrees, self.turn_degrees),
             label=self.label,
         )
 

@@ -20,7 +20,14 @@ from toile.dress.measurements import Measurements
 from toile.dress.pattern import Panel, Pattern
 from toile.dress.pattern_curve import edge_length, edge_points
 from toile.dress.pattern_mesh import mesh_pattern
-from toile.dress.pattern_outline import default_segments, is_clockwise, outline, signed_area, to_world
+from toile.dress.pattern_outline import (
+    default_segments,
+    is_clockwise,
+    outline,
+    rotation_matrix,
+    signed_area,
+    to_world,
+)
 from toile.dress.patterns import built_in, built_in_names
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -196,7 +203,8 @@ def test_cap_is_one_percent_longer_than_the_armhole(body: Measurements) -> None:
 
 def test_fabric_faces_away_from_the_body(pattern: Pattern) -> None:
     for panel in pattern.panels:
-        assert is_clockwise(panel) == (panel.translation[2] < 0.0), panel.name
+        normal = rotation_matrix(panel.rotation_degrees)[:, 2] * (-1.0 if is_clockwise(panel) else 1.0)
+        assert normal[2] * panel.translation[2] > 0.0, panel.name
 
 
 def test_stitches_run_in_the_right_direction(pattern: Pattern) -> None:
