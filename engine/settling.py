@@ -22,8 +22,10 @@ def ease(drape: DrapeState) -> None:
     plan = drape.plan
     stepper = drape.stepper
     waist = drape.cloth.waist
-    start = np.empty_like(stepper.x)
-    start[drape.cloth.node] = drape.cloth.start_positions
+    # Where the vertices of a node started, on average: there the seams met.
+    start = np.zeros_like(stepper.x)
+    np.add.at(start, drape.cloth.node, drape.cloth.start_positions)
+    start /= np.bincount(drape.cloth.node, minlength=len(start))[:, None]
     stepper.holds = Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1)))
     h = plan.sewing_step
     for _ in range(plan.easing_steps):

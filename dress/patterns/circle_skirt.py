@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 
 from toile.dress.measurements import Measurements
 from toile.dress.pattern import Arc, Pattern
@@ -20,8 +21,10 @@ WAIST_EASE = 0.015
 """Girth of the waistband beyond the waist [m], for a body 1.70 m tall."""
 BAND_HEIGHT = 0.035
 """Height of the waistband [m], for a body 1.70 m tall."""
-FLATTEST, STEEPEST = 60, 30
+FLATTEST, STEEPEST = 60, 45
 """Slopes at which a quarter can start, from the vertical [degrees]: the flatter, the nearer its seams are."""
+LOWERING, LOWERINGS = 0.04, 5
+"""Steps by which it starts lower to clear the arms [m], for a body 1.70 m tall, and how many are tried."""
 ARM_ROOM, ARM_STEPS = 0.05, 20
 """Room below an arm [m], for a body 1.70 m tall; points at which it is looked for."""
 
@@ -49,23 +52,27 @@ def draft_circle_skirt(body: Measurements) -> Pattern:
     radius = girth / (2.0 * math.pi)
     z_back, z_front = body.torso_depth
     gap = 0.02 * scale
+    quarters = _tent(body, top - gap, radius, length) or _flat(body, top - gap, radius, length)
+    drafts = [*quarters, *(quarter.mirrored() for quarter in quarters)]
+    raised = 0.0
+    if quarters[0].tilt_degrees:
+        # The waist seam meets half-way, and that is where it shall sit.
+        raised = top - quarters[0].translation[1]
+    else:
+        # Where the flat ones overlap, one hangs a plane behind the other.
+        drafts[-2:] = [_beyond(drafts[-2], gap), _beyond(drafts[-1], -gap)]
     band = Draft(
         name="front_waistband",
         sides=band_sides((girth / 4.0,), band_height),
-        translation=(0.0, top, z_front + gap),
+        translation=(0.0, top + raised, z_front + gap),
         label="body",
     )
     band_back = Draft(
         name="back_waistband",
         sides=band.sides,
-        translation=(0.0, top, z_back - gap),
+        translation=(0.0, top + raised, z_back - gap),
         label="body",
     ).turned()
-    quarters = _tent(body, top - gap, radius, length) or _flat(body, top - gap, radius, length)
-    drafts = [band, band_back, *quarters, *(quarter.mirrored() for quarter in quarters)]
-    if not quarters[0].tilt_degrees:
-        # Where the flat ones overlap, one hangs a plane behind the other.
-        drafts[-2:] = [_beyond(drafts[-2], gap), _beyond(drafts[-1], -gap)]
     half = [
         ("front_waistband", "left_end", "back_waistband", "left_end"),
         ("front_waistband", "left_lower_0", "left_front", "waist"),
@@ -76,31 +83,29 @@ def draft_circle_skirt(body: Measurements) -> Pattern:
         ("left_front", "right_seam", "right_front", "left_seam"),
         ("left_back", "left_seam", "right_back", "right_seam"),
     ]
-    return sew("circle_skirt", drafts, half + mirrored_seams(half) + middle, waist_notes(body))
+    return sew(
+        "circle_skirt", [band, band_back, *drafts], half + mirrored_seams(half) + middle, waist_notes(body)
+    )
 
 
 def _tent(body: Measurements, top: float, radius: float, length: float) -> list[Draft]:
-    """Return the left front and back quarters sloping, at most `top` high; none if arms are in the way.
+    """Return the left front and back quarters sloping below the arms; none if those are in the way.
 
-    A quarter of a ring on a slope reaches beyond its quarter of the way around, the less the flatter it lies:
-    the quarters are moved outward until they do not meet.
+    They start as high as the arms let them lie flat enough, at most `top` [m].
     """
     scale = body.height / DRAFT_HEIGHT
-    across = math.sqrt(0.5)
     middle = 0.5 * sum(body.torso_depth)
-    for tilt in range(FLATTEST, STEEPEST - 1, -1):
-        out, down = math.sin(math.radians(tilt)), math.cos(math.radians(tilt))
-        apart = 0.5 * (1.0 - out) * (radius + length) + 0.01 * scale
-        apex = top + across * radius * down
-        if _clears_arms(body, top, apex, apart, tilt):
-            # The panel's origin is on the line between its upper corners.
-            from_apex = across * radius
-            outward, height = math.sqrt(2.0) * apart + from_apex * out, apex - from_apex * down
+    for lower, tilt in product(range(LOWERINGS), range(FLATTEST, STEEPEST - 1, -1)):
+        height = top - LOWERING * scale * lower
+        apart = _apart(body, radius, length, tilt)
+        if _clears_arms(body, height, radius, apart, tilt):
+            # The panel's origin lies between its upper corners.
+            outward = math.sqrt(0.5) * (math.sqrt(2.0) * apart + math.sqrt(0.5) * radius * _sin(tilt))
             return [
                 Draft(
                     name=f"left_{name}",
                     sides=_quarter_ring(radius, length),
-                    translation=(across * outward, height, middle + side * across * outward),
+                    translation=(outward, height, middle + side * outward),
                     tilt_degrees=float(tilt),
                     azimuth_degrees=azimuth,
                     label="leg",
@@ -110,10 +115,26 @@ def _tent(body: Measurements, top: float, radius: float, length: float) -> list[
     return []
 
 
-def _clears_arms(body: Measurements, top: float, apex: float, apart: float, tilt: int) -> bool:
-    """Whether straight arms and hands stay above quarters that slope from `apex`, moved out by `apart`."""
+def _apart(body: Measurements, radius: float, length: float, tilt: int) -> float:
+    """How far to the side and to the front quarters that slope by `tilt` are moved [m].
+
+    A quarter of a ring on a slope reaches past its quarter of the way round, the less the flatter it lies:
+    moved out by that much, quarters do not meet. Upper corners stay clear of the hips, about an ellipse.
+    """
+    scale = body.height / DRAFT_HEIGHT
+    deep = 0.5 * (body.torso_depth[1] - body.torso_depth[0])
+    wide = math.sqrt(max(2.0 * (body.hip / (2.0 * math.pi)) ** 2 - deep**2, 0.0))
+    corner = 0.5 * (1.0 + _sin(tilt)) * radius
+    beyond = 0.5 * (1.0 - _sin(tilt)) * (radius + length)
+    return max(beyond, max(deep, wide) + 0.01 * scale - corner) + 0.01 * scale
+
+
+def _clears_arms(body: Measurements, height: float, radius: float, apart: float, tilt: int) -> bool:
+    """Whether straight arms and hands stay above quarters at `height`, moved out by `apart` [m]."""
     scale = body.height / DRAFT_HEIGHT
     thickness = body.upper_arm / (2.0 * math.pi) + ARM_ROOM * scale
+    # The quarters are one cone's, moved apart.
+    apex = height + math.sqrt(0.5) * radius * math.cos(math.radians(tilt))
     # The hand is about a ninth of the height long.
     reach = body.arm_length + body.height / 9.0
     for step in range(ARM_STEPS + 1):
@@ -121,9 +142,13 @@ def _clears_arms(body: Measurements, top: float, apex: float, apart: float, tilt
         x = body.shoulder_point[0] + along * math.cos(body.arm_angle)
         y = body.shoulder_point[1] - along * math.sin(body.arm_angle)
         slope = apex - (x - 2.0 * apart) * math.sqrt(0.5) / math.tan(math.radians(tilt))
-        if y - thickness / max(math.cos(body.arm_angle), 0.1) < min(top, slope):
+        if y - thickness / max(math.cos(body.arm_angle), 0.1) < min(height, slope):
             return False
     return True
+
+
+def _sin(degrees: float) -> float:
+    return math.sin(math.radians(degrees))
 
 
 def _flat(body: Measurements, top: float, radius: float, length: float) -> list[Draft]:
