@@ -92,13 +92,37 @@ def run_toile(scene: Scene, seconds: float = SECONDS, plan: FilmPlan | None = No
 
 def run_blender(python: Path, scene: Scene, choice: BlenderChoice, seconds: float = SECONDS) -> Film:
     """Run a scene in Blender, in a process of its own."""
-    ball = scene.ball or (np.empty((0, 3)), np.empty((0, 3), np.int32))
+    film = blender_film(
+        python,
+        scene.positions,
+        scene.quads,
+        scene.pinned,
+        scene.ball,
+        blender_settings(scene, choice),
+        seconds,
+    )
+    if not np.array_equal(_canonical(film["triangles"]), _canonical(scene.faces)):
+        raise SystemExit("Blender collides other triangles than toile")
+    frames = round(seconds / FRAME_SECONDS)
+    return Film(
+        positions=film["positions"].astype(np.float64), faces=film["triangles"], cpu=float(film["cpu"]),
+        audit=0.0, short=int(film["short"]), steps=choice.steps * frames,
+        versions={"Blender": str(film["blender"]), "its Python": str(film["python"])},
+    )  # fmt: skip
+
+
+def blender_film(
+    python: Path, positions: np.ndarray, polygons: np.ndarray, pinned: np.ndarray,
+    ball: tuple[np.ndarray, np.ndarray] | None, settings: dict[str, dict[str, object]], seconds: float,
+) -> dict[str, np.ndarray]:  # fmt: skip
+    """Let Blender's worker compute a film of a mesh, perhaps with a ball; return what it gives."""
+    ball = ball or (np.empty((0, 3)), np.empty((0, 3), np.int32))
     with tempfile.TemporaryDirectory() as folder:
         given, got = Path(folder) / "scene.npz", Path(folder) / "film.npz"
         np.savez(
-            given, positions=scene.positions, quads=scene.quads, pinned=scene.pinned, ball_positions=ball[0],
+            given, positions=positions, polygons=polygons, pinned=pinned, ball_positions=ball[0],
             ball_faces=ball[1], frames=round(seconds / FRAME_SECONDS), frame_seconds=FRAME_SECONDS,
-            settings=json.dumps(blender_settings(scene, choice)),
+            settings=json.dumps(settings),
         )  # fmt: skip
         worker = Path(__file__).with_name("blender_cloth_worker.py")
         # Blender brings its own packages: nothing of this environment shall get in.
@@ -108,15 +132,7 @@ def run_blender(python: Path, scene: Scene, choice: BlenderChoice, seconds: floa
         )
         if not got.exists():
             raise SystemExit(f"Blender gave no film:\n{done.stdout}{done.stderr}")
-        film = dict(np.load(got))
-    if not np.array_equal(_canonical(film["triangles"]), _canonical(scene.faces)):
-        raise SystemExit("Blender collides other triangles than toile")
-    frames = round(seconds / FRAME_SECONDS)
-    return Film(
-        positions=film["positions"].astype(np.float64), faces=film["triangles"], cpu=float(film["cpu"]),
-        audit=0.0, short=int(film["short"]), steps=choice.steps * frames,
-        versions={"Blender": str(film["blender"]), "its Python": str(film["python"])},
-    )  # fmt: skip
+        return dict(np.load(got))
 
 
 def _canonical(faces: np.ndarray) -> np.ndarray:

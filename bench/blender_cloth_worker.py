@@ -2,11 +2,11 @@
 
 python bench/blender_cloth_worker.py SCENE.npz OUT.npz
 
-SCENE holds positions (n, 3), quads (q, 4), pinned (n,), ball_positions (v, 3) and ball_faces (t, 3), perhaps
-empty, frames, frame_seconds and `settings`, JSON of {"cloth": ..., "collision": ..., "collider": ...}, what
-to set in Blender's cloth settings, cloth collision settings and collider. OUT gets positions (frames + 1, n,
-3), the triangles that Blender collides (t, 3), the CPU time of the frames [s], in how many of them its linear
-solver stopped at its iteration limit, and the versions.
+SCENE holds positions (n, 3), polygons (q, 3 or 4), pinned (n,), ball_positions (v, 3) and ball_faces
+(t, 3), perhaps empty, frames, frame_seconds and `settings`, JSON of {"cloth": ..., "collision": ...,
+"collider": ...}, what to set in Blender's cloth settings, cloth collision settings and collider. OUT gets
+positions (frames + 1, n, 3), the triangles that Blender collides (t, 3), the CPU time of the frames [s], in
+how many of them its linear solver stopped at its iteration limit, and the versions.
 """
 
 import json
@@ -57,7 +57,7 @@ def build(given):
         ball = add_mesh("ball", given["ball_positions"], given["ball_faces"])
         ball.modifiers.new("collision", "COLLISION")
         assign(ball.collision, settings["collider"])
-    sheet = add_mesh("sheet", given["positions"], given["quads"])
+    sheet = add_mesh("sheet", given["positions"], given["polygons"])
     cloth = sheet.modifiers.new("cloth", "CLOTH")
     if given["pinned"].any():
         group = sheet.vertex_groups.new(name="pinned")
