@@ -98,7 +98,7 @@ def page(found: list[dict[str, object]]) -> str:
         "",
         f"A round cloth of radius {1e3 * SPECIMEN:g} mm held level inside {1e3 * DISC:g} mm, poplin made",
         "equal in warp and weft; drape coefficient in percent of the free ring. Blender: 8 s in steps",
-        "of 1/480 s, its default damping, no self-collision. `converted`: springs for the same fabric on that",
+        "of 1/480 s, its default damping, no self-collision. `converted`: springs for this fabric on that",
         "mesh; `set once`: springs and mass per vertex as on triangles of 6 mm, on all.",
         "",
         "| engine | edges mm | nodes | drape coefficient % | largest strain % | still moves, mm in 0.5 s |",
