@@ -6,6 +6,7 @@ from numba import types
 from toile.collide import bvh
 from toile.collide.candidates import find_candidates
 from toile.collide.cover import Cover
+from toile.collide.merged_pairs import with_pairs_of
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -75,6 +76,12 @@ class AvatarSurface:
                 self._tree = bvh.build(self.boxes)
             else:
                 bvh.refit(self._tree, self.boxes)
+        return self._tree
+
+    @property
+    def known_tree(self) -> bvh.Bvh:
+        """The hierarchy as it was searched last."""
+        assert self._tree is not None
         return self._tree
 
     @property
@@ -260,6 +267,61 @@ class ContactSearch:
             self.positions, self.weld, self._ghost, self._surface, self._boxes, own, self._avatar_surface,
             self._avatar.boxes, tree, self._reach, ends,
         )  # fmt: skip
+
+    def widen_cloth(self, x: Float, room: float, few: int) -> bool:
+        """Complete the candidates within the cloth for nodes at x, if few are beyond; whether they are now.
+
+        Only what those nodes can touch is searched, with `room` [m] to spare.
+        """
+        if not self._self_contact:
+            return True
+        beyond = self._beyond(self._among_cloth, self._among_cloth.allowance(x), room, few)
+        if beyond is None or not beyond.any():
+            return beyond is not None
+        surface, boxes, tree = self._part(self._among_cloth, beyond)
+        ends = self._ends(self._among_cloth.drift)
+        found = find_candidates(
+            self.positions, self.weld, self._ghost, surface, boxes, tree, self._surface, self._boxes,
+            self._own_tree(ends), self._reach, ends,
+        )  # fmt: skip
+        self.cloth = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.cloth, found)
+        return True
+
+    def widen_body(self, x: Float, avatar: Float | None, room: float, few: int) -> bool:
+        """Do the same against the avatar, whose vertices are at places of their own then, shape (v, 3)."""
+        if self._avatar is None or self._avatar_surface is None:
+            return True
+        left = self.left_with_body(x, avatar)
+        if not (left[self._count :] >= 0.0).all():
+            return False
+        beyond = self._beyond(self._with_body, left[: self._count], room, few)
+        if beyond is None or not beyond.any():
+            return beyond is not None
+        surface, boxes, tree = self._part(self._with_body, beyond)
+        self.positions[self._count :] = self._avatar_origin
+        found = find_candidates(
+            self.positions, self.weld, self._ghost, surface, boxes, tree, self._avatar_surface,
+            self._avatar.boxes, self._avatar.known_tree, self._reach,
+            self._ends(self._with_body.drift, self._avatar.drift),
+        )  # fmt: skip
+        self.body = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.body, found)
+        return True
+
+    def _beyond(self, cover: Cover, left: Float, room: float, few: int) -> Bool | None:
+        """Mark nodes without allowance left, shape (n,), and allow them more; None if they are many."""
+        beyond = ~(left >= 0.0)
+        if np.count_nonzero(beyond) > few:
+            return None
+        cover.allowed[beyond] += room - left[beyond]
+        return np.asarray(beyond)
+
+    def _part(self, cover: Cover, marked: Bool) -> tuple[Surface, Float, bvh.Bvh]:
+        """Return the faces of marked nodes as a surface, ready to be searched from where a cover starts."""
+        self._begin(cover.origin, cover.allowed)
+        surface = surface_of(self._surface.faces[marked[self._surface.faces].any(axis=1)])
+        boxes = np.empty((len(surface.faces), 12))
+        _moving_boxes(self.positions, self._ends(cover.drift), surface.faces, self._reach, boxes)
+        return surface, boxes, bvh.build(boxes)
 
     def _begin(self, x: Float, motion: Float) -> None:
         """Place the nodes and give them their reach for a search."""

@@ -54,9 +54,9 @@ def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> Non
 def expect_avatar(
     search: ContactSearch, avatar: AvatarSurface, motion: Float, x: Float, ahead: Float, allowed: Float
 ) -> None:
-    """See to it that all pairs are known that can touch as avatar and nodes move.
+    """See to it that most pairs are known that can touch as avatar and nodes move, as `expect` does.
 
-    Candidates of an earlier iteration of the same step often still do.
+    Candidates of an earlier iteration or step often still do: they cover a few steps like this one.
 
     Parameters
     ----------
@@ -67,14 +67,17 @@ def expect_avatar(
     allowed
         Room that nodes have beside their expected motion [m], shape (n,).
     """
-    known = avatar.drift is not None and search.covers(x, avatar.vertices)
-    if known and search.covers(x + ahead, avatar.vertices + motion):
-        return
-    avatar.drift = motion
+    few = FEW * len(x)
+    drift = STEPS_AHEAD * ahead
+    if not search.covers_cloth(x) or np.count_nonzero(search.left_in_cloth(x + ahead) < 0.0) > few:
+        search.search_cloth(x, allowed, drift=drift)
+    if avatar.drift is not None and (search.left_with_body(x, avatar.vertices) >= 0.0).all():
+        left = search.left_with_body(x + ahead, avatar.vertices + motion)
+        if np.count_nonzero(left[: len(x)] < 0.0) <= few and (left[len(x) :] >= 0.0).all():
+            return
+    avatar.drift = STEPS_AHEAD * motion
     avatar.motion = np.full(len(motion), SPREAD)
-    if not (search.covers_cloth(x) and search.covers_cloth(x + ahead)):
-        search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
-    search.search_body(x, allowed, drift=ahead)
+    search.search_body(x, allowed, drift=drift)
 
 
 def safe_in_motion(
@@ -110,14 +113,16 @@ def safe_in_motion(
     def covered(done: Float) -> bool:
         return search.covers(x + done[:count], None if start is None else start + done[count:])
 
-    if start is not None:
-        if not (covered(np.zeros_like(move)) and covered(move)):
-            search.search(x, allowed, drift=wanted)
-    else:
-        if not (search.covers_cloth(x) and search.covers_cloth(x + wanted)):
-            search.search_cloth(x, allowed, drift=STEPS_AHEAD * wanted)
-        if not (search.covers_body(x) and search.covers_body(x + wanted)):
-            search.search_body(x, allowed, drift=STEPS_AHEAD * wanted)
+    few = int(FEW * count)
+    if not (search.covers_cloth(x) and search.widen_cloth(x + wanted, LEAST_ALLOWANCE, few)):
+        search.search_cloth(x, allowed, drift=STEPS_AHEAD * wanted)
+    there = None if start is None else start + move[count:]
+    known = (search.left_with_body(x, start) >= 0.0).all()
+    if not (known and search.widen_body(x + wanted, there, LEAST_ALLOWANCE, few)):
+        if avatar is not None and avatar_wanted is not None:
+            avatar.drift = STEPS_AHEAD * avatar_wanted
+            avatar.motion = np.full(len(avatar_wanted), SPREAD)
+        search.search_body(x, allowed, drift=STEPS_AHEAD * wanted)
     limited = np.zeros(len(move), bool)
     for attempt in range(ATTEMPTS):
         search.place(x)

@@ -115,6 +115,10 @@ class ClothStepper:
         """
         if self.search is None:
             return None
+        if avatar_ahead is None and self.avatar is not None and self.avatar.drift is not None:
+            # From here on it stands still.
+            self.avatar.stay()
+            self.search.expire_body()
         if ahead is None:
             allowance, motion = self.search.allowance(self.x), MOTION_AHEAD * self._motion + LEAST_ALLOWANCE
             if not (allowance > 0.0).all() or allowance.max() > OVERSIZE * motion.max():
@@ -313,9 +317,6 @@ class ClothStepper:
         if request.avatar_target is not None and self.avatar is not None:
             carried = self.avatar.vertices - self.anchor[count:]
             self.anchor[count:] = self.avatar.vertices
-            self.avatar.stay()
-            assert self.search is not None
-            self.search.expire_body()
         self.anchor[:count] = slid_anchors(self.x, self.anchor[:count], contacts, self.options.slip, carried)
 
     def _safe_in_motion(self, wanted: Float, avatar_wanted: Float | None) -> tuple[Float, Bool]:
