@@ -34,7 +34,7 @@ SAMPLED = round(0.2 / FRAME_SECONDS)
 SPACING = 0.01
 """Of the points that stand for a surface [m]."""
 REPEATS = 3
-NEWTON = {"hang": 4, "sphere": 1}
+NEWTON = {"hang": 4, "sphere": None}
 """Iterations per step of the reference, as in `toile bench`."""
 TOILE_STEPS, BLENDER_STEPS = (60, 120, 240), (STEPS, 4 * STEPS, 16 * STEPS)
 """Per second, and per frame."""

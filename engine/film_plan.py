@@ -39,7 +39,8 @@ class FilmPlan:
         Longest motion of a node in one step at its present speed [m]: faster cloth takes shorter steps.
     newton
         Newton iterations per step at most; 1 is the linearly implicit step, which brakes turning cloth: a
-        swinging strip loses most of its energy in a second, with 4 only what backward Euler takes.
+        swinging strip loses most of its energy in a second, with 4 only what backward Euler takes. `tr_bdf2`
+        needs more than one: nothing takes away what one leaves of a turn, and fine cloth tears itself up.
     newton_tolerance
         Motion [m] below which the iterations of a step have converged.
     cg_tolerance
