@@ -168,7 +168,7 @@ def distance(run: Run, reference: Run) -> float:
 
 
 def exactly(edge: float, count: int, newton: int | None) -> Way:
-    """Return the way of references: TR-BDF2 in steps of 1/count s, solved well or as films of garments are."""
+    """Return the way of references: TR-BDF2 in 1/count s steps, solved well or as films of garments are."""
     fine = in_steps(count, tr_bdf2)
     solved = "" if newton is None else f", {newton} Newton iterations"
 
