@@ -15,7 +15,7 @@ import trimesh
 import toile
 from toile.dress.avatar import Avatar
 from toile.dress.cli import main
-from toile.dress.dress import SEWING_COARSENESS
+from toile.dress.dress import SEWING_COARSENESS, SEWING_FINENESS
 from toile.dress.kernels import REMESH_KERNELS
 from toile.dress.quality import quality_preset
 
@@ -126,7 +126,9 @@ def test_a_garment_that_jams_is_sewn_again_in_other_triangles(
     assert report["stage_seconds"]["solve"] == pytest.approx(0.25 * len(SEWING_COARSENESS))
     fake.calls.clear()
     assert dress(*options, "--no-remesh", "-o", tmp_path / "other", "--quiet") == 0
-    assert [one.persistent for _, _, one in fake.calls] == [True]
+    asked = [options for _, _, options in fake.calls]
+    assert [one.edge_length / finest for one in asked] == pytest.approx(SEWING_FINENESS)
+    assert [one.persistent for one in asked] == [False, True]
 
 
 def test_scene_file_and_options_that_win(
