@@ -49,7 +49,7 @@ def solve(
     tolerance : stop when the residual, in the preconditioner's norm, has dropped by this factor.
     max_iterations : give up after as many products with A; `converged` is then False.
     start : first guess [m], shape (node_count, 3); its values at pinned nodes are ignored. None: zero.
-    reference : that of a right-hand side much the same [J], which saves finding it; only with a first guess.
+    reference : that of a like right-hand side [J], which saves finding it; only with a guess, and not zero.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def solve(
     solution = np.zeros_like(load)
     direction = np.empty_like(load)
     product = np.empty_like(load)
-    if start is None or reference is None:
+    if start is None or not reference:
         reference = _remove_exact_part(system, preconditioner, residual, solution, product)
         scaled = preconditioner.apply(residual, direction)
         reference += scaled

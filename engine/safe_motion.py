@@ -43,12 +43,28 @@ def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> Non
     allowed
         Room that nodes have beside that motion [m], shape (n,).
     """
+    _expect_in_cloth(search, x, ahead, allowed)
     few = FEW * len(x)
-    drift = STEPS_AHEAD * ahead
-    if not search.covers_cloth(x) or np.count_nonzero(search.left_in_cloth(x + ahead) < 0.0) > few:
-        search.search_cloth(x, allowed, drift=drift)
     if not search.covers_body(x) or np.count_nonzero(search.left_with_body(x + ahead) < 0.0) > few:
-        search.search_body(x, allowed, drift=drift)
+        search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
+
+
+def _expect_in_cloth(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
+    """Do the part of `expect` and `expect_avatar` that is about pairs within the cloth."""
+    missing = search.left_in_cloth(x + ahead) < 0.0
+    if not search.covers_cloth(x) or np.count_nonzero(missing) > FEW * len(x):
+        search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
+
+
+def _search_body(
+    search: ContactSearch, avatar: AvatarSurface | None, motion: Float | None, x: Float, ahead: Float,
+    allowed: Float,
+) -> None:  # fmt: skip
+    """Search pairs with the avatar for a few steps of the nodes, and of its vertices where those move."""
+    if avatar is not None and motion is not None:
+        avatar.drift = STEPS_AHEAD * motion
+        avatar.motion = np.full(len(motion), SPREAD)
+    search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
 def expect_avatar(
@@ -67,17 +83,12 @@ def expect_avatar(
     allowed
         Room that nodes have beside their expected motion [m], shape (n,).
     """
-    few = FEW * len(x)
-    drift = STEPS_AHEAD * ahead
-    if not search.covers_cloth(x) or np.count_nonzero(search.left_in_cloth(x + ahead) < 0.0) > few:
-        search.search_cloth(x, allowed, drift=drift)
+    _expect_in_cloth(search, x, ahead, allowed)
     if avatar.drift is not None and (search.left_with_body(x, avatar.vertices) >= 0.0).all():
         left = search.left_with_body(x + ahead, avatar.vertices + motion)
-        if np.count_nonzero(left[: len(x)] < 0.0) <= few and (left[len(x) :] >= 0.0).all():
+        if np.count_nonzero(left[: len(x)] < 0.0) <= FEW * len(x) and (left[len(x) :] >= 0.0).all():
             return
-    avatar.drift = STEPS_AHEAD * motion
-    avatar.motion = np.full(len(motion), SPREAD)
-    search.search_body(x, allowed, drift=drift)
+    _search_body(search, avatar, motion, x, ahead, allowed)
 
 
 def safe_in_motion(
@@ -119,10 +130,7 @@ def safe_in_motion(
     there = None if start is None else start + move[count:]
     known = (search.left_with_body(x, start) >= 0.0).all()
     if not (known and search.widen_body(x + wanted, there, LEAST_ALLOWANCE, few)):
-        if avatar is not None and avatar_wanted is not None:
-            avatar.drift = STEPS_AHEAD * avatar_wanted
-            avatar.motion = np.full(len(avatar_wanted), SPREAD)
-        search.search_body(x, allowed, drift=STEPS_AHEAD * wanted)
+        _search_body(search, avatar, avatar_wanted, x, wanted, allowed)
     limited = np.zeros(len(move), bool)
     for attempt in range(ATTEMPTS):
         search.place(x)

@@ -135,8 +135,7 @@ def _clears_arms(body: Measurements, height: float, radius: float, apart: float,
     thickness = body.upper_arm / (2.0 * math.pi) + ARM_ROOM * scale
     # The quarters are one cone's, moved apart.
     apex = height + math.sqrt(0.5) * radius * math.cos(math.radians(tilt))
-    # The hand is about a ninth of the height long.
-    reach = body.arm_length + body.height / 9.0
+    reach = _arm_with_hand(body)
     for step in range(ARM_STEPS + 1):
         along = reach * step / ARM_STEPS
         x = body.shoulder_point[0] + along * math.cos(body.arm_angle)
@@ -145,6 +144,11 @@ def _clears_arms(body: Measurements, height: float, radius: float, apart: float,
         if y - thickness / max(math.cos(body.arm_angle), 0.1) < min(height, slope):
             return False
     return True
+
+
+def _arm_with_hand(body: Measurements) -> float:
+    """Shoulder point to fingertips [m]: the hand is about a ninth of the height long."""
+    return body.arm_length + body.height / 9.0
 
 
 def _sin(degrees: float) -> float:
@@ -181,8 +185,7 @@ def _offset(body: Measurements, top: float, radius: float, length: float, margin
     across = math.sqrt(0.5)
     apart = across * (radius + length) + 0.01 * body.height / DRAFT_HEIGHT
     down, out = math.sin(body.arm_angle), math.cos(body.arm_angle)
-    # The hand is about a ninth of the height long.
-    lowest = body.shoulder_point[1] - (body.arm_length + body.height / 9.0) * down
+    lowest = body.shoulder_point[1] - _arm_with_hand(body) * down
     if lowest >= top:
         return apart
     room = apart

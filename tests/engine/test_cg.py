@@ -152,6 +152,24 @@ def test_start_at_the_solution_needs_no_iteration(cloth: StiffCloth, preconditio
     assert result.converged
 
 
+def test_a_known_reference_gives_the_same_solution(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    first = solve(cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-3)
+    for reference in (first.reference, 0.0):
+        again = solve(
+            cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-8, start=first.solution,
+            reference=reference,
+        )  # fmt: skip
+        exact = cloth.exact()
+        np.testing.assert_allclose(again.solution, exact, atol=1e-5 * np.abs(exact).max())
+        assert again.reference == pytest.approx(first.reference, rel=1e-6)
+
+
+def test_no_load_moves_nothing(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
+    none = np.zeros_like(cloth.right_hand_side)
+    result = solve(cloth.system, none, preconditioner, start=np.ones_like(none), reference=0.0)
+    assert result.converged and not result.solution.any()
+
+
 def test_too_few_iterations_are_reported(cloth: StiffCloth, preconditioner: Preconditioner) -> None:
     result = solve(cloth.system, cloth.right_hand_side, preconditioner, tolerance=1e-12, max_iterations=2)
     assert result.iterations == 2
