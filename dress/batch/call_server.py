@@ -1,131 +1,175 @@
 """A warm process that carries out every call in a process of its own, by forking itself.
 
-It has loaded all kernels and has one thread, so a fork is cheap and safe. It starts calls, watches their
-time, and reports how they ended. Forked processes end with it, and it ends with the process that started it:
-each holds the reading end of a pipe of the one above, which is closed at that one's end, however it comes.
+It has loaded all kernels and has one thread, so a fork is safe. It starts calls, watches their time, and
+reports how they ended. One process more than is needed is always forked: the next call need not wait for it.
+Forked processes end with this one, and it ends with the process that started it, whose pipe is closed then.
 """
 
 import gc
 import os
-import pickle
-import resource
 import selectors
 import signal
 import sys
-import threading
 import time
+from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 
-from toile.dress.batch.isolated_call import Call, Ended, FrameReader, Limits, framed, write_all
+from toile.dress.batch.call_process import CallProcess
+from toile.dress.batch.huge_pages import collapse_memory
+from toile.dress.batch.isolated_call import (
+    Call,
+    Ended,
+    FrameReader,
+    complete,
+    content_of,
+    framed,
+    write_all,
+)
+
+MOST_PRINTED = 1 << 20
+"""How much is kept of what a call prints [bytes]."""
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Serve calls on two inherited descriptors, after calling a function: `requests answers module:name`."""
-    requests, answers = int(arguments[0]), int(arguments[1])
+    """Serve calls, so many at a time, on two inherited descriptors, after calling a function.
+
+    The arguments are `workers requests answers module:name`.
+    """
+    workers, requests, answers = (int(number) for number in arguments[:3])
     # Ctrl-C is for the process that started this one, which says what becomes of the calls.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    module, _, name = arguments[2].partition(":")
+    module, _, name = arguments[3].partition(":")
     getattr(import_module(module), name)()
     gc.collect()
     gc.freeze()
-    _Server(requests, answers).serve()
+    collapse_memory()
+    _Server(workers, requests, answers).serve()
 
 
 @dataclass
 class _Running:
-    """A call under way: its process, what came back so far, and when it started and must end [s]."""
+    """A call under way: its process, what came back so far, and when it started and must end [s].
+
+    `content` is what the function returned, `printed` the end of what was printed.
+    """
 
     number: int
-    pid: int
+    process: CallProcess
     started: float
     deadline: float | None
     content: bytearray = field(default_factory=bytearray)
+    printed: bytearray = field(default_factory=bytearray)
     late: bool = False
+
+    def take_answer(self) -> bool:
+        """Take what came back by now; return whether the process has ended."""
+        return _read(self.process.answer, self.content)
+
+    @property
+    def answered(self) -> bool:
+        """Whether all has come back, so that the process has only to end."""
+        return complete(self.content)
+
+    def take_print(self) -> bool:
+        """Take what was printed by now, of which the end is kept; return whether no more can come."""
+        ended = _read(self.process.printed, self.printed)
+        del self.printed[:-MOST_PRINTED]
+        return ended
 
 
 class _Server:
     """The loop that starts calls and collects what they return."""
 
-    def __init__(self, requests: int, answers: int) -> None:
-        self._requests, self._answers = requests, answers
+    def __init__(self, workers: int, requests: int, answers: int) -> None:
+        self._workers, self._requests, self._answers = workers, requests, answers
         self._reader = FrameReader(requests)
-        self._lifeline = os.pipe()
+        self._waiting: deque[Call] = deque()
         self._running: dict[int, _Running] = {}
         self._selector = selectors.DefaultSelector()
         self._selector.register(requests, selectors.EVENT_READ)
+        self._spare = self._fork()
 
     def serve(self) -> None:
         """Serve until nobody asks or listens any more; what still runs then is killed."""
         with suppress(BrokenPipeError):
             self._serve()
-        self._kill_all()
+        for process in (self._spare, *(run.process for run in self._running.values())):
+            process.kill()
+            process.reap()
 
     def _serve(self) -> None:
         """Start calls and collect what they return, until nobody asks any more."""
         while True:
             for key, _ in self._selector.select(self._until_next_deadline()):
-                if key.fd != self._requests:
-                    self._collect(key.fd)
+                if key.data is not None:
+                    key.data()
                     continue
                 calls = self._reader.read()
                 if calls is None:
                     return
-                for call in calls:
-                    self._start(call)
+                self._waiting += calls
+            while self._waiting and self._busy < self._workers:
+                self._start(self._waiting.popleft())
             self._kill_late()
+
+    @property
+    def _busy(self) -> int:
+        """How many calls are being carried out; the end of a process takes milliseconds."""
+        return sum(not run.answered for run in self._running.values())
 
     def _until_next_deadline(self) -> float | None:
         """Return the time until a call must end [s], None if none must."""
         deadlines = [run.deadline for run in self._running.values() if run.deadline and not run.late]
         return max(min(deadlines) - time.monotonic(), 0.0) if deadlines else None
 
+    def _fork(self) -> CallProcess:
+        """Fork a process, which lets go of what belongs to the server."""
+        held = [end for run in self._running.values() for end in (run.process.answer, run.process.printed)]
+        return CallProcess((self._requests, self._answers, *held))
+
     def _start(self, call: Call) -> None:
-        """Fork a process that carries out a call."""
-        reading, writing = os.pipe()
-        started = time.monotonic()
-        pid = os.fork()
-        if not pid:
-            try:
-                self._leave_behind(reading)
-                carry_out(call.payload, call.limits, writing)
-            finally:
-                os._exit(1)
-        os.close(writing)
-        seconds = call.limits.seconds
-        self._running[reading] = _Running(
-            call.number, pid, started, None if seconds is None else started + seconds
-        )
-        self._selector.register(reading, selectors.EVENT_READ)
+        """Hand a call to the process at hand, and fork another one for the next."""
+        process = self._spare
+        if not process.hand(call.payload, call.limits):
+            # Somebody has killed it; should this one be killed too, then as a process of the call.
+            process.reap()
+            process = self._fork()
+            process.hand(call.payload, call.limits)
+        started, seconds = time.monotonic(), call.limits.seconds
+        run = _Running(call.number, process, started, None if seconds is None else started + seconds)
+        self._running[call.number] = run
+        self._selector.register(process.answer, selectors.EVENT_READ, partial(self._collect, run))
+        self._selector.register(process.printed, selectors.EVENT_READ, partial(self._listen, run))
+        self._spare = self._fork()
 
-    def _leave_behind(self, reading: int) -> None:
-        """In a forked process, let go of what belongs to the server, and end with it."""
-        os.close(self._lifeline[1])
-        for descriptor in (self._requests, self._answers, reading, *self._running):
-            os.close(descriptor)
-        threading.Thread(target=_end_with_parent, args=(self._lifeline[0],), daemon=True).start()
+    def _listen(self, run: _Running) -> None:
+        """Take what a call prints."""
+        if run.number in self._running and run.take_print():
+            self._selector.unregister(run.process.printed)
 
-    def _collect(self, reading: int) -> None:
+    def _collect(self, run: _Running) -> None:
         """Take what a call has returned; at its end report it."""
-        run = self._running[reading]
-        content = os.read(reading, 1 << 16)
-        if content:
-            run.content += content
+        if not run.take_answer():
             return
-        self._selector.unregister(reading)
-        os.close(reading)
-        del self._running[reading]
-        _, status, usage = os.wait4(run.pid, 0)
+        run.take_print()
+        self._selector.unregister(run.process.answer)
+        with suppress(KeyError):
+            self._selector.unregister(run.process.printed)
+        del self._running[run.number]
+        status, usage = run.process.reap()
         ended = Ended(
             number=run.number,
-            how="timeout" if run.late else "returned" if run.content and status == 0 else "died",
-            value=bytes(run.content) if status == 0 else None,
+            how="timeout" if run.late else "returned" if run.answered and status == 0 else "died",
+            value=content_of(run.content) if run.answered and status == 0 else None,
             exit_status=os.waitstatus_to_exitcode(status),
             wall_seconds=time.monotonic() - run.started,
             cpu_seconds=usage.ru_utime + usage.ru_stime,
             peak_memory=usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024),
+            printed=bytes(run.printed),
         )
         write_all(self._answers, framed(ended))
 
@@ -135,31 +179,17 @@ class _Server:
         for run in self._running.values():
             if run.deadline is not None and now >= run.deadline and not run.late:
                 run.late = True
-                os.kill(run.pid, signal.SIGKILL)
-
-    def _kill_all(self) -> None:
-        """Kill what still runs."""
-        for run in self._running.values():
-            os.kill(run.pid, signal.SIGKILL)
-        for run in self._running.values():
-            os.waitpid(run.pid, 0)
+                run.process.kill()
 
 
-def carry_out(payload: bytes, limits: Limits, writing: int) -> None:
-    """Call a function under limits, write what it returned to a pipe, and end the process."""
-    if limits.memory is not None:
-        # Of the memory that may be written, which is what can run out, not of the address space.
-        resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, limits.memory))
-    function, argument = pickle.loads(payload)
-    answer = pickle.dumps(function(argument), protocol=5)
-    write_all(writing, answer)
-    os._exit(0)
-
-
-def _end_with_parent(lifeline: int) -> None:
-    """Wait until the other end of a pipe is closed, then end this process at once."""
-    os.read(lifeline, 1)
-    os._exit(1)
+def _read(end: int, into: bytearray) -> bool:
+    """Append what can be read now from a descriptor; return whether that was the end of it."""
+    try:
+        content = os.read(end, 1 << 16)
+    except BlockingIOError:
+        return False
+    into += content
+    return not content
 
 
 if __name__ == "__main__":

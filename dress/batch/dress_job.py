@@ -1,9 +1,6 @@
 """What the process of a job does: dress, note the outcome, and put the results into place."""
 
-import faulthandler
-import os
 import resource
-import shutil
 import sys
 import time
 import traceback
@@ -15,7 +12,7 @@ from pathlib import Path
 
 from toile.dress.batch.failure_classes import death, disk_is_full
 from toile.dress.batch.isolated_call import Ended, Limits
-from toile.dress.batch.job_folder import LOG, RESULTS, keep_log, publish, published
+from toile.dress.batch.job_folder import RESULTS, keep_log, own_folder, publish, published, tidy
 from toile.dress.batch.outcome import Outcome, figures_of
 from toile.dress.kernels import (
     DRAPE_KERNELS,
@@ -75,23 +72,11 @@ def dress_job(request: JobRequest) -> Outcome:
 
 
 def run_job(request: JobRequest, work: Callable[[JobRequest], Outcome]) -> Outcome:
-    """Do a job's work, its output going to a log; errors become outcomes, and results are published.
-
-    It is done in a folder of its own in `request.work`: Dask may ask the same twice, if it takes the process
-    of the first time for lost.
-    """
+    """Do a job's work in a folder of its own; errors become outcomes, and results are published."""
     started = time.monotonic()
     try:
-        request = replace(request, work=request.work / os.urandom(4).hex())
-        request.work.mkdir(parents=True)
-        with open(request.work / LOG, "wb") as log:
-            os.dup2(log.fileno(), 1)
-            os.dup2(log.fileno(), 2)
-        faulthandler.enable()
-        outcome = _attempt(request, work)
-        sys.stdout.flush()
-        outcome = _used(outcome, started)
-        keep_log(request.folder, request.work, request.name)
+        request = replace(request, work=own_folder(request.work))
+        outcome = _used(_attempt(request, work), started)
         if outcome.published:
             publish(request.folder, request.work, request.name, request.fingerprint, outcome)
         return outcome
@@ -152,10 +137,8 @@ def settled(request: JobRequest, ended: Ended, limits: Limits) -> Outcome:
             cpu_seconds=round(ended.cpu_seconds, 4),
             peak_memory=ended.peak_memory,
         )
-    if request.work.is_dir():
-        for place in request.work.iterdir():
-            keep_log(request.folder, place, request.name)
-        shutil.rmtree(request.work, ignore_errors=True)
+    keep_log(request.folder, request.name, ended.printed)
+    tidy(request.work)
     return outcome
 
 

@@ -47,6 +47,8 @@ class Ended:
         Time from start to end, and processor time [s].
     peak_memory
         Largest resident memory [bytes].
+    printed
+        What its process wrote to standard output and standard error, the end of it if it was much.
     """
 
     number: int
@@ -56,6 +58,7 @@ class Ended:
     wall_seconds: float = 0.0
     cpu_seconds: float = 0.0
     peak_memory: int = 0
+    printed: bytes = b""
 
 
 def pickled_call(function: Callable[[Any], Any], argument: Any) -> bytes:
@@ -67,6 +70,16 @@ def framed(message: object) -> bytes:
     """Return a message as bytes that say their own length."""
     content = pickle.dumps(message, protocol=5)
     return HEADER.pack(len(content)) + content
+
+
+def complete(message: bytes | bytearray) -> bool:
+    """Return whether a message is whole that came by itself; see `framed`."""
+    return len(message) >= HEADER.size and len(message) == HEADER.size + HEADER.unpack_from(message)[0]
+
+
+def content_of(message: bytes | bytearray) -> bytes:
+    """Return what a message holds that is whole, pickled."""
+    return bytes(message[HEADER.size :])
 
 
 def write_all(descriptor: int, content: bytes) -> None:

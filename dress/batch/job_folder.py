@@ -1,8 +1,10 @@
 """Where the results of jobs lie: a folder each, which appears whole or not at all.
 
 jobs/NAME/        results and job.json, of jobs that have any
-logs/NAME.txt     what a job printed, if it did
+logs/NAME.txt     what a job printed, if it did; written when its process has ended
 work/             folders of running jobs; renamed to jobs/NAME when they are complete
+
+A job makes few files and removes none: a file system looks for room among those removed lately.
 """
 
 import json
@@ -15,7 +17,7 @@ from toile.dress.batch.outcome import Outcome
 from toile.dress.writers.atomic import writable_folder
 
 RESULTS, LOGS, WORK = "jobs", "logs", "work"
-NOTE, LOG = "job.json", "log.txt"
+NOTE = "job.json"
 
 
 def make_folders(folder: Path) -> None:
@@ -29,6 +31,23 @@ def make_folders(folder: Path) -> None:
 def work_folder(folder: Path, name: str) -> Path:
     """Return the path of a folder for a run of a job, which no other run uses."""
     return folder / WORK / f"{name}.{os.urandom(4).hex()}"
+
+
+def own_folder(work: Path) -> Path:
+    """Make a folder for one process that does a run of a job.
+
+    Dask may ask the same twice, if it takes the process of the first time for lost.
+    """
+    own = work.with_name(f"{work.name}.{os.urandom(4).hex()}")
+    own.mkdir(parents=True)
+    return own
+
+
+def tidy(work: Path) -> None:
+    """Remove what processes of a run have left, see `own_folder`."""
+    for place in work.parent.iterdir():
+        if place.name.startswith(f"{work.name}."):
+            shutil.rmtree(place, ignore_errors=True)
 
 
 def publish(folder: Path, work: Path, name: str, fingerprint: str, outcome: Outcome) -> None:
@@ -72,12 +91,7 @@ def remove_result(folder: Path, name: str) -> None:
         shutil.rmtree(gone)
 
 
-def keep_log(folder: Path, work: Path, name: str) -> None:
-    """Move what a job printed from its work folder to logs/; remove it if it is empty."""
-    log = work / LOG
-    if not log.is_file():
-        return
-    if log.stat().st_size:
-        os.replace(log, folder / LOGS / f"{name}.txt")
-    else:
-        log.unlink()
+def keep_log(folder: Path, name: str, printed: bytes) -> None:
+    """Write what a job printed, if it did, to logs/."""
+    if printed.strip():
+        (folder / LOGS / f"{name}.txt").write_bytes(printed)

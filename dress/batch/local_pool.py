@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -35,7 +36,11 @@ STARTS_WITHOUT_AN_ANSWER = 3
 
 
 class LocalPool:
-    """Up to `workers` calls at a time; each in a process of its own, forked from a server."""
+    """Up to `workers` calls at a time; each in a process of its own, forked from a server.
+
+    The server has one more call at hand, so that none has to wait for this process. It starts them in the
+    order in which it got them.
+    """
 
     def __init__(
         self,
@@ -62,8 +67,7 @@ class LocalPool:
         self._load = load
         self._say = say
         self._inherited = tuple(inherited)
-        self._waiting: list[tuple[Any, bytes, Limits]] = []
-        self._running: dict[int, Any] = {}
+        self._given: dict[int, tuple[Any, Call]] = {}
         self._count = 0
         self._silent_starts = 0
         self._answers: queue.SimpleQueue[tuple[int, Ended | None]] = queue.SimpleQueue()
@@ -73,18 +77,18 @@ class LocalPool:
 
     @property
     def room(self) -> int:
-        """How many more calls can be given: one more than run is kept at hand, so that none has to wait."""
+        """How many more calls can be given."""
         return self.workers + 1 - self.unfinished
 
     @property
     def unfinished(self) -> int:
         """Calls that have not ended yet."""
-        return len(self._running) + len(self._waiting)
+        return len(self._given)
 
     @property
     def running(self) -> int:
         """Those of them that run; the others wait."""
-        return len(self._running)
+        return min(len(self._given), self.workers)
 
     def start(self, key: Any, function: Callable[[Any], Any], argument: Any, limits: Limits) -> None:
         """Have a function called with an argument; `wait` reports its end under `key`."""
@@ -94,8 +98,10 @@ class LocalPool:
         """Have a pickled call carried out, see `pickled_call`."""
         if self._process is None:
             self._start_server()
-        self._waiting.append((key, payload, limits))
-        self._fill()
+        self._count += 1
+        call = Call(number=self._count, payload=payload, limits=limits)
+        self._given[call.number] = key, call
+        self._send(call)
 
     def wait(self, seconds: float) -> list[tuple[Any, Ended]]:
         """Return the calls that have ended, with their keys; after some time, perhaps none."""
@@ -108,13 +114,13 @@ class LocalPool:
             if generation != self._generation:
                 continue
             if ended is None:
-                found += [(key, Ended(number=number, how="lost")) for number, key in self._running.items()]
-                self._running.clear()
+                # Calls after the first `workers` had not been started.
+                lost = list(self._given)[: self.workers]
+                found += [(self._given.pop(number)[0], Ended(number=number, how="lost")) for number in lost]
                 self._restart()
                 return found
             self._silent_starts = 0
-            found.append((self._running.pop(ended.number), ended))
-            self._fill()
+            found.append((self._given.pop(ended.number)[0], ended))
 
     def kill(self) -> None:
         """Kill the server and every call that runs; the calls count as lost."""
@@ -124,21 +130,14 @@ class LocalPool:
     def close(self) -> None:
         """End the server and every call that still runs."""
         self._generation += 1
-        self._running.clear()
-        self._waiting.clear()
+        self._given.clear()
         self._end_server()
 
-    def _fill(self) -> None:
-        """Hand calls to the server while fewer run than may."""
-        while self._waiting and len(self._running) < self.workers:
-            key, payload, limits = self._waiting.pop(0)
-            self._count += 1
-            self._running[self._count] = key
-            try:
-                write_all(self._requests, framed(Call(number=self._count, payload=payload, limits=limits)))
-            except BrokenPipeError:
-                # The server is gone; its reader says so, and the call counts as lost.
-                return
+    def _send(self, call: Call) -> None:
+        """Send a call to the server."""
+        # If the server is gone, its reader says so.
+        with suppress(BrokenPipeError):
+            write_all(self._requests, framed(call))
 
     def _restart(self) -> None:
         """Start another server in place of one that has ended."""
@@ -150,7 +149,8 @@ class LocalPool:
                 "see its message above; is there enough memory?"
             )
         self._start_server()
-        self._fill()
+        for _, call in self._given.values():
+            self._send(call)
 
     def _end_server(self) -> int:
         """Let go of the server, which ends it if it has not ended; return its exit code."""
@@ -169,8 +169,9 @@ class LocalPool:
         theirs, self._requests = os.pipe()
         reading, answers = os.pipe()
         command = [sys.executable, "-P", "-m", "toile.dress.batch.call_server"]
+        numbers = (str(number) for number in (self.workers, theirs, answers))
         self._process = subprocess.Popen(
-            [*command, str(theirs), str(answers), f"{self._load.__module__}:{self._load.__qualname__}"],
+            [*command, *numbers, f"{self._load.__module__}:{self._load.__qualname__}"],
             env=module_path_environment() | ONE_THREAD,
             stdin=subprocess.DEVNULL,
             pass_fds=(theirs, answers, *self._inherited),

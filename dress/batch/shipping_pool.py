@@ -1,7 +1,6 @@
 """Jobs on machines that do not see the batch's disk: input files travel with the call, results come back."""
 
 import io
-import os
 import shutil
 import tarfile
 import tempfile
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from toile.dress.batch.dress_job import JobRequest
 from toile.dress.batch.fingerprint import files_of
 from toile.dress.batch.isolated_call import Ended, Limits
-from toile.dress.batch.job_folder import LOGS, RESULTS, put_in_place, work_folder
+from toile.dress.batch.job_folder import RESULTS, put_in_place, work_folder
 from toile.dress.batch.outcome import Outcome
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.garment_source import built_in_name
@@ -34,7 +33,7 @@ class Shipment:
 
 @dataclass(frozen=True, kw_only=True)
 class Arrival:
-    """An outcome, with the job's results and log as a tar archive."""
+    """An outcome, with the job's results as a tar archive."""
 
     outcome: Outcome
     archive: bytes
@@ -83,9 +82,6 @@ class ShippingPool:
         box = work_folder(request.folder, request.name)
         with tarfile.open(fileobj=io.BytesIO(arrival.archive)) as archive:
             archive.extractall(box, filter="data")
-        log = box / LOGS / f"{request.name}.txt"
-        if log.is_file():
-            os.replace(log, request.folder / LOGS / log.name)
         if arrival.outcome.published:
             put_in_place(request.folder, box / RESULTS / request.name, request.name, request.fingerprint)
         shutil.rmtree(box, ignore_errors=True)
@@ -123,8 +119,7 @@ def work_away(shipment: Shipment) -> Arrival:
         for path, content in shipment.files.items():
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_bytes(content)
-        for made in (RESULTS, LOGS):
-            (folder / made).mkdir()
+        (folder / RESULTS).mkdir()
         request = shipment.request
         request = replace(
             request,
@@ -135,8 +130,7 @@ def work_away(shipment: Shipment) -> Arrival:
         outcome = shipment.work(request)
         buffer = io.BytesIO()
         with tarfile.open(fileobj=buffer, mode="w") as archive:
-            for made in (RESULTS, LOGS):
-                archive.add(folder / made, arcname=made)
+            archive.add(folder / RESULTS, arcname=RESULTS)
         return Arrival(outcome=outcome, archive=buffer.getvalue())
 
 
