@@ -37,6 +37,7 @@ from blender_cloth_scenes import (
     Scene,
     blender_settings,
     choices,
+    equal_steps_plan,
     make_scene,
     toile_plan,
 )
@@ -48,6 +49,7 @@ from toile.engine.film_plan import FilmFrame, FilmPlan
 from toile.engine.simulate import Simulation
 
 REPEATS = 3
+EQUAL_STEPS = "toile, no shorter steps"
 LOOK = round(0.3 / FRAME_SECONDS)
 """Frame at which it is measured how far the sheet has fallen."""
 
@@ -206,6 +208,7 @@ def compare(python: Path, scene: Scene) -> tuple[list[dict[str, object]], dict[s
     films: dict[str, list[Film]] = {}
     for _ in range(REPEATS):
         films.setdefault("toile", []).append(run_toile(scene))
+        films.setdefault(EQUAL_STEPS, []).append(run_toile(scene, plan=equal_steps_plan()))
         for choice in choices(scene):
             films.setdefault(choice.label, []).append(run_blender(python, scene, choice))
     rows, versions = [], {}
@@ -230,7 +233,7 @@ A square of 1 m in a vacuum for 2 s, 30 frames per second. `sphere`: it falls 5 
 in warp and weft: {1e3 * FABRIC.areal_density:g} g/m^2, {FABRIC.stretch_warp:g} N/m (in compression a
 fiftieth), shear {FABRIC.shear:g} N/m, bending {1e6 * FABRIC.bending_warp:.2g} uN m, friction
 {FABRIC.friction_body:g} on the sphere and {FABRIC.friction_self:g} on cloth. 240 steps are of 1/120 s; toile
-takes shorter ones where it needs them.
+takes shorter ones where it needs them, or, as "{EQUAL_STEPS}", never.
 
 Reach of contact: toile 2 mm from the sphere, 1 mm within the cloth. "Blender": its distances and outer
 thickness at the least that it allows, 1 mm, which makes 2 mm from the sphere and 2 mm within the cloth. "Self
@@ -255,7 +258,7 @@ def table(rows: list[dict[str, object]]) -> str:
     ]
     for row in rows:
         cpu = f"{row['cpu_per_second']:.1f}"
-        if row["engine"] == "toile":
+        if row["engine"] in ("toile", EQUAL_STEPS):
             cpu += f" ({row['cpu_per_second_without_audit']:.1f} without audit)"
         gap = f"{row['least_gap_mm']:.2f} / {row['end_gap_mm']:.2f}" if "least_gap_mm" in row else ""
         lines.append(

@@ -1,6 +1,7 @@
 """The scenes that toile and Blender's cloth both get, and what Blender is told about them."""
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -94,6 +95,12 @@ def toile_plan() -> FilmPlan:
     plan = replace(film_plan(), frame_seconds=FRAME_SECONDS, longest_step=FRAME_SECONDS / STEPS)
     assert plan.step.self_contact and plan.step.air is None
     return plan
+
+
+def equal_steps_plan() -> FilmPlan:
+    """The same plan with all steps of the length that Blender takes, however the cloth moves."""
+    plan = toile_plan()
+    return replace(plan, shortest_step=plan.longest_step, stretch_rise=inf, motion_max=inf)
 
 
 def blender_settings(scene: Scene, choice: BlenderChoice) -> dict[str, dict[str, object]]:

@@ -9,6 +9,7 @@ from toile.engine.forces.contact import Contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
 from toile.engine.preconditioner.base import Preconditioner
+from toile.engine.preconditioner.block_jacobi import BlockJacobi
 from toile.engine.preconditioner.choice import make_preconditioner
 from toile.engine.step_request import StageClock, StepRequest
 from toile.geometry.arrays import Bool, Float
@@ -39,6 +40,9 @@ class Iteration(NamedTuple):
     ahead
         How far `positions` are from the nodes [m], shape (n, 3), or None where they are the same. Contacts
         are linearised at the nodes themselves, from where their motion must be safe.
+    guess
+        What the displacement from `positions` may be [m], shape (n, 3), or None: nothing, as where they
+        are ahead already.
     """
 
     request: StepRequest
@@ -49,6 +53,7 @@ class Iteration(NamedTuple):
     stencils: list[ContactStencils]
     pinned: Bool | None
     ahead: Float | None
+    guess: Float | None
 
 
 class IterationSolver:
@@ -57,6 +62,9 @@ class IterationSolver:
     def __init__(self, system: LinearSystem) -> None:
         self.system = system
         self.preconditioner: Preconditioner = make_preconditioner(system)
+        # What a loose tolerance leaves of a guess is force on what moves smoothly, unless that part is solved
+        # exactly: cloth in fast flight would not feel gravity.
+        self._takes_guesses = not isinstance(self.preconditioner, BlockJacobi)
 
     def solve(
         self, iteration: Iteration, contacts: Contacts | None, slip: float, clock: StageClock
@@ -111,7 +119,10 @@ class IterationSolver:
         if known is None:
             self.preconditioner.update(self.system, iteration.positions)
         now = clock.add("assembly", now)
-        start = None if known is None else known.solution if ahead is None else known.solution - ahead
+        if known is None:
+            start = iteration.guess if self._takes_guesses else None
+        else:
+            start = known.solution if ahead is None else known.solution - ahead
         result = solve(
             self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
             max_iterations=request.cg_iterations, start=start,

@@ -197,6 +197,7 @@ class ClothStepper:
         if self.goals is not None and request.pin_target is not None:
             self.goals.targets = request.pin_target[self.goals.nodes]
         avatar_ahead: Float | None = None
+        guess = None if request.at_rest or request.stage is not None else request.h * self.v
         held_back = np.zeros(len(self.x), bool)
         for _ in range(request.newton):
             now = self.clock.now()
@@ -244,8 +245,9 @@ class ClothStepper:
                 outcome.min_gap = float(contacts.gap.min(initial=np.inf))
             iteration = Iteration(
                 request, place, self.blocks, gradient, node_diagonal, stencils, self.pinned,
-                None if place is self.x else place - self.x,
+                None if place is self.x else place - self.x, guess,
             )  # fmt: skip
+            guess = None
             result, contacts = self.solver.solve(iteration, contacts, self.options.slip, self.clock)
             now = self.clock.now()
             outcome.newton_iterations += 1
@@ -270,8 +272,7 @@ class ClothStepper:
             if last < request.newton_tolerance:
                 break
             place = self._pins_at_target(self.x, request)
-        if request.newton > 1:
-            outcome.converged &= last < request.newton_tolerance
+        outcome.converged &= request.newton == 1 or last < request.newton_tolerance
         outcome.moved = np.linalg.norm(self.x - start, axis=1)
         self._take_motion(start, request, blunt | held_back, touched | held_back)
         if contacts is not None:
@@ -396,5 +397,4 @@ class ClothStepper:
 
     def elastic_energy(self) -> float:
         """Membrane and bending energy at the current positions [J]."""
-        bending = 0.0 if self.bending is None else self.bending.energy(self.x)
-        return self.membrane.energy(self.x) + bending
+        return self.membrane.energy(self.x) + (0.0 if self.bending is None else self.bending.energy(self.x))
