@@ -17,21 +17,17 @@ class Cover(NamedTuple):
     """For which places candidates are complete.
 
     Nodes may be `allowed` [m], shape (n,), away from `origin` [m], shape (n, 3), or from places that `drift`
-    [m] away from there, all at the same pace or, with `own_pace`, each at its own.
+    [m] away from there, all at the same pace.
     """
 
     origin: Float
     allowed: Float
     drift: Float | None
-    own_pace: bool = False
 
     def allowance(self, x: Float) -> Float:
         """How far nodes may still move from x [m], shape (n,)."""
         left = np.empty(len(x))
-        if self.own_pace and self.drift is not None:
-            _allowance_at_own_pace(x, self.origin, self.drift, self.allowed, left)
-        else:
-            _allowance(x, self.origin, STILL if self.drift is None else self.drift, self.allowed, left)
+        _allowance(x, self.origin, STILL if self.drift is None else self.drift, self.allowed, left)
         return left
 
 
@@ -61,19 +57,4 @@ def _allowance(x, origin, drift, allowed, left):  # type: ignore[no-untyped-def]
             if largest > 0.0:
                 away -= done * drift[i, axis]
             square += away * away
-        left[i] = allowed[i] - np.sqrt(square)
-
-
-@kernel(types.void(F64_2, F64_2, F64_2, F64_1, OUT_F64_1))
-def _allowance_at_own_pace(x, origin, drift, allowed, left):  # type: ignore[no-untyped-def]
-    """Write how far nodes may still move from x if each may be anywhere on its way."""
-    for i in range(x.shape[0]):
-        done, whole = 0.0, 0.0
-        for axis in range(3):
-            done += (x[i, axis] - origin[i, axis]) * drift[i, axis]
-            whole += drift[i, axis] ** 2
-        share = min(max(done / whole, 0.0), 1.0) if whole > 0.0 else 0.0
-        square = 0.0
-        for axis in range(3):
-            square += (x[i, axis] - origin[i, axis] - share * drift[i, axis]) ** 2
         left[i] = allowed[i] - np.sqrt(square)

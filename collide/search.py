@@ -255,9 +255,7 @@ class ContactSearch:
         if self._avatar is None or self._avatar_surface is None:
             return
         self._begin(x, motion)
-        # A pair with faces that stay is apart at both ends of a drift, vertex by vertex, or it is listed.
-        still = self._avatar.drift is None
-        self._with_body = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy(), still)
+        self._with_body = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
         self._avatar_origin = self._avatar.vertices
         ends = self._ends(drift, self._avatar.drift)
         own = self._own_tree(ends)

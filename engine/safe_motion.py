@@ -1,4 +1,4 @@
-"""The safe move of cloth, and of the avatar with it."""
+"""The safe move of cloth in motion, and of the avatar with it."""
 
 from typing import NamedTuple
 
@@ -8,16 +8,15 @@ from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.geometry.arrays import Bool, Float
 
-LEAST_ALLOWANCE = 1e-3
-"""Room that candidates have at least [m]: fewer searches."""
 MOTION_AHEAD = 1.1
-"""Candidates of the last attempt cover this many times the motion, in all directions."""
+LEAST_ALLOWANCE = 1e-3
+"""Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
 SPREAD = 2e-3
 """Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
 FEW = 0.02
 """Share of nodes that may miss contacts ahead for want of candidates rather than search anew."""
 STEPS_AHEAD = 3.0
-"""Candidates of cloth in motion cover this many steps."""
+"""Candidates within cloth in motion cover this many steps."""
 ATTEMPTS = 5
 """Searches at most for one move."""
 TAKEN_BACK = 0.3
@@ -59,13 +58,13 @@ def _expect_in_cloth(search: ContactSearch, x: Float, ahead: Float, allowed: Flo
 
 def _search_body(
     search: ContactSearch, avatar: AvatarSurface | None, motion: Float | None, x: Float, ahead: Float,
-    allowed: Float, steps: float = STEPS_AHEAD,
+    allowed: Float,
 ) -> None:  # fmt: skip
-    """Search pairs with the avatar for some steps of the nodes, and of its vertices where those move."""
+    """Search pairs with the avatar for a few steps of the nodes, and of its vertices where those move."""
     if avatar is not None and motion is not None:
-        avatar.drift = steps * motion
+        avatar.drift = STEPS_AHEAD * motion
         avatar.motion = np.full(len(motion), SPREAD)
-    search.search_body(x, allowed, drift=steps * ahead)
+    search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
 def expect_avatar(
@@ -94,7 +93,7 @@ def expect_avatar(
 
 def safe_in_motion(
     search: ContactSearch, x: Float, wanted: Float, allowed: Float, avatar: AvatarSurface | None,
-    avatar_wanted: Float | None, common: Float | None, steps: float = STEPS_AHEAD,
+    avatar_wanted: Float | None, common: Float | None,
 ) -> SafeMove:  # fmt: skip
     """Shorten displacements to what is safe.
 
@@ -114,8 +113,6 @@ def safe_in_motion(
     common
         Motion of the whole scene [m], shape (3,), or None: displacements are shortened to it, not to nothing,
         so that what is jammed travels along.
-    steps
-        How many such moves a new search covers.
     """
     count = len(x)
     start = None if avatar is None or avatar_wanted is None else avatar.vertices
@@ -129,11 +126,11 @@ def safe_in_motion(
 
     few = int(FEW * count)
     if not (search.covers_cloth(x) and search.widen_cloth(x + wanted, LEAST_ALLOWANCE, few)):
-        search.search_cloth(x, allowed, drift=steps * wanted)
+        search.search_cloth(x, allowed, drift=STEPS_AHEAD * wanted)
     there = None if start is None else start + move[count:]
     known = (search.left_with_body(x, start) >= 0.0).all()
     if not (known and search.widen_body(x + wanted, there, LEAST_ALLOWANCE, few)):
-        _search_body(search, avatar, avatar_wanted, x, wanted, allowed, steps)
+        _search_body(search, avatar, avatar_wanted, x, wanted, allowed)
     limited = np.zeros(len(move), bool)
     for attempt in range(ATTEMPTS):
         search.place(x)
@@ -152,9 +149,8 @@ def safe_in_motion(
         room = LEAST_ALLOWANCE + TAKEN_BACK * lost
         if avatar is not None and start is not None:
             avatar.drift, avatar.motion = done[count:], room[count:]
-        if not search.widen_cloth(x + done[:count], LEAST_ALLOWANCE, few):
+        if not search.covers_cloth(x + done[:count]):
             search.search_cloth(x, room[:count], drift=done[:count])
-        if start is not None or not search.covers_body(x + done[:count]):
-            search.search_body(x, room[:count], drift=done[:count])
+        search.search_body(x, room[:count], drift=done[:count])
     still = np.zeros_like(move)
     return SafeMove(still[:count], still[count:], np.ones(count, bool))

@@ -7,6 +7,7 @@ the linearly implicit step of Baraff and Witkin (1998). Every displacement passe
 
 import numpy as np
 
+from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.shrunken import vertex_normals
 from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
@@ -23,7 +24,7 @@ from toile.engine.forces.wind import Wind
 from toile.engine.friction_anchors import slid_anchors
 from toile.engine.iteration_solver import Iteration, IterationSolver
 from toile.engine.linear_system import LinearSystem
-from toile.engine.safe_motion import LEAST_ALLOWANCE, expect, expect_avatar, safe_in_motion
+from toile.engine.safe_motion import LEAST_ALLOWANCE, MOTION_AHEAD, expect, expect_avatar, safe_in_motion
 from toile.engine.step_inertia import inertia_of
 from toile.engine.step_memory import Memory, Saved
 from toile.engine.step_request import StageClock, StepOptions, StepOutcome, StepRequest
@@ -31,6 +32,10 @@ from toile.geometry.arrays import Bool, Float
 
 DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.2
 """Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
+OVERSIZE = 4.0
+"""Candidates for more than this many times the motion at hand are too many, and searched anew."""
+FEW = 0.02
+"""Share of nodes that may be held back for want of candidates rather than search anew."""
 
 
 class ClothStepper:
@@ -97,6 +102,7 @@ class ClothStepper:
                 np.maximum(options.radius_self, self.thickness), 0.4 * cloth.shortest_edge
             )
             self.anchor = np.concatenate([self.x, np.zeros((0, 3)) if avatar is None else avatar.vertices])
+        self._motion = np.zeros(len(self.x))
         self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
         clock.add("assembly", started)
 
@@ -114,8 +120,9 @@ class ClothStepper:
             self.avatar.stay()
             self.search.expire_body()
         if ahead is None:
-            if not self.search.covers(self.x):
-                self.search.search(self.x, self._allowed)
+            allowance, motion = self.search.allowance(self.x), MOTION_AHEAD * self._motion + LEAST_ALLOWANCE
+            if not (allowance > 0.0).all() or allowance.max() > OVERSIZE * motion.max():
+                self.search.search(self.x, motion)
             moving = NO_MOTION
         elif avatar_ahead is not None and self.avatar is not None:
             expect_avatar(self.search, self.avatar, avatar_ahead, self.x, ahead, self._allowed)
@@ -253,6 +260,7 @@ class ClothStepper:
                     self.membrane, self.faces, self.x, move, gradient,
                     lambda some: self._safe(some, np.inf)[0],
                 )  # fmt: skip
+                self._motion = np.linalg.norm(move, axis=1)
             else:
                 move, limited = self._safe_in_motion(result.solution, avatar_ahead)
             held_back |= limited
@@ -333,11 +341,23 @@ class ClothStepper:
         length = np.linalg.norm(wanted, axis=1)
         scale = np.minimum(1.0, longest / np.maximum(length, 1e-300))
         wanted = wanted * scale[:, None]
+        length = length * scale
+        self._motion = length
         if self.search is None:
             return wanted, np.zeros(len(wanted), bool)
-        # The next step may go another way.
-        done = safe_in_motion(self.search, self.x, wanted, self._allowed, self.avatar, None, None, steps=1.0)
-        return done.cloth, done.limited
+        allowance = self.search.allowance(self.x)
+        short = ~(allowance >= length)
+        if np.count_nonzero(short) > FEW * len(length) or not np.isfinite(allowance).all():
+            self.search.search(self.x, MOTION_AHEAD * length + LEAST_ALLOWANCE)
+        elif short.any():
+            # A few nodes wait: using up their allowance brings about the next search.
+            cut = np.where(short, np.maximum(allowance, 0.0) / np.maximum(length, 1e-300), 1.0)
+            wanted = wanted * cut[:, None]
+        self.search.place(self.x)
+        move = np.zeros_like(self.search.positions)
+        move[: len(self.x)] = wanted
+        factor = safe_factors(self.search.positions, move, *self.search.pairs)[: len(self.x)]
+        return wanted * factor[:, None], factor < 1.0
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.

@@ -61,7 +61,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in (
         "ContactSearch",
         "evaluate_contacts",
-        "safe_in_motion",
+        "safe_factors",
         "Stitches",
         "SewingHolds",
         "Wind",

@@ -227,7 +227,7 @@ def test_on_frame_ends_the_film() -> None:
     assert record.min_gap == [inf] * 3
 
 
-@pytest.mark.parametrize("name", ["ContactSearch", "evaluate_contacts", "safe_in_motion", "Wind"])
+@pytest.mark.parametrize("name", ["ContactSearch", "evaluate_contacts", "safe_factors", "Wind"])
 def test_free_flight_needs_no_search_and_no_wind(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(f"toile.engine.step.{name}", forbidden(name))
     run, frames = film(level_sheet(0.2, 0.2, 0.1, 0.0), 0.1, FilmPlan(step=options()))
