@@ -152,9 +152,15 @@ class _Server:
             self._selector.unregister(run.process.printed)
 
     def _collect(self, run: _Running) -> None:
-        """Take what a call has returned; at its end report it."""
-        if not run.take_answer():
+        """Take what a call has returned; at its end report it, after those that were answered before."""
+        if run.number not in self._running or not run.take_answer():
             return
+        before = [other for other in self._running.values() if other.answered and other.number < run.number]
+        for one in (*before, run):
+            self._report(one)
+
+    def _report(self, run: _Running) -> None:
+        """Report a call whose process has ended or is about to."""
         run.take_print()
         self._selector.unregister(run.process.answer)
         with suppress(KeyError):
