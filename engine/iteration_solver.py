@@ -118,11 +118,10 @@ class IterationSolver:
         ahead = iteration.ahead
         if known is None:
             self.preconditioner.update(self.system, iteration.positions)
-        now = clock.add("assembly", now)
-        if known is None:
             start = iteration.guess if self._takes_guesses else None
         else:
             start = known.solution if ahead is None else known.solution - ahead
+        now = clock.add("assembly", now)
         result = solve(
             self.system, -gradient, self.preconditioner, tolerance=request.cg_tolerance,
             max_iterations=request.cg_iterations, start=start,

@@ -24,8 +24,8 @@ from toile.dress.batch.isolated_call import (
     Call,
     Ended,
     FrameReader,
-    complete,
     content_of,
+    end_of_message,
     framed,
     write_all,
 )
@@ -72,7 +72,7 @@ class _Running:
     @property
     def answered(self) -> bool:
         """Whether all has come back, so that the process has only to end."""
-        return complete(self.content)
+        return end_of_message(self.content) is not None
 
     def take_print(self) -> bool:
         """Take what was printed by now, of which the end is kept; return whether no more can come."""
@@ -167,10 +167,11 @@ class _Server:
             self._selector.unregister(run.process.printed)
         del self._running[run.number]
         status, usage = run.process.reap()
+        returned = run.answered and status == 0
         ended = Ended(
             number=run.number,
-            how="timeout" if run.late else "returned" if run.answered and status == 0 else "died",
-            value=content_of(run.content) if run.answered and status == 0 else None,
+            how="timeout" if run.late else "returned" if returned else "died",
+            value=content_of(run.content, len(run.content)) if returned else None,
             exit_status=os.waitstatus_to_exitcode(status),
             wall_seconds=time.monotonic() - run.started,
             cpu_seconds=usage.ru_utime + usage.ru_stime,

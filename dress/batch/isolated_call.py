@@ -72,14 +72,17 @@ def framed(message: object) -> bytes:
     return HEADER.pack(len(content)) + content
 
 
-def complete(message: bytes | bytearray) -> bool:
-    """Return whether a message is whole that came by itself; see `framed`."""
-    return len(message) >= HEADER.size and len(message) == HEADER.size + HEADER.unpack_from(message)[0]
+def end_of_message(buffer: bytearray) -> int | None:
+    """Return where the first message in a buffer ends, see `framed`; None if it is not whole yet."""
+    if len(buffer) < HEADER.size:
+        return None
+    end: int = HEADER.size + HEADER.unpack_from(buffer)[0]
+    return end if len(buffer) >= end else None
 
 
-def content_of(message: bytes | bytearray) -> bytes:
-    """Return what a message holds that is whole, pickled."""
-    return bytes(message[HEADER.size :])
+def content_of(buffer: bytearray, end: int) -> bytes:
+    """Return what the first message in a buffer holds, pickled."""
+    return bytes(buffer[HEADER.size : end])
 
 
 def write_all(descriptor: int, content: bytes) -> None:
@@ -103,10 +106,7 @@ class FrameReader:
             return None
         self._buffer += content
         found = []
-        while len(self._buffer) >= HEADER.size:
-            (length,) = HEADER.unpack_from(self._buffer)
-            if len(self._buffer) < HEADER.size + length:
-                break
-            found.append(pickle.loads(bytes(self._buffer[HEADER.size : HEADER.size + length])))
-            del self._buffer[: HEADER.size + length]
+        while (end := end_of_message(self._buffer)) is not None:
+            found.append(pickle.loads(content_of(self._buffer, end)))
+            del self._buffer[:end]
         return found

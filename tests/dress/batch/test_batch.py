@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.dress.batch.conftest import Play, act
+from tests.dress.batch.processes import children_of, server_of
 from tests.dress.batch.stand_in_jobs import missing, nothing, stand_in
 from toile.dress.batch.batch import JobResult, batch, run_batch
 from toile.dress.batch.batch_stopped import BatchStopped
@@ -26,16 +27,6 @@ from toile.geometry.errors import InputError
 
 def by_name(results: list[JobResult]) -> dict[str, JobResult]:
     return {result.name: result for result in results}
-
-
-def children_of(pid: int) -> list[int]:
-    done = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
-    return [int(line) for line in done.stdout.split()]
-
-
-def server_of(pool: LocalPool) -> int:
-    assert pool._process is not None
-    return pool._process.pid
 
 
 def test_what_happens_to_one_job_happens_to_no_other(play: Play, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from tests.dress.batch.processes import children_of, server_of
 from tests.dress.batch.stand_in_jobs import nothing
 from toile.dress.batch.huge_pages import _allocated
 from toile.dress.batch.isolated_call import Ended, Limits
@@ -66,21 +67,10 @@ def ended(pool: LocalPool, function: Callable[[Any], Any], *arguments: object) -
     return found
 
 
-def children(pid: int) -> list[int]:
-    """Processes that a process has started."""
-    done = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
-    return [int(line) for line in done.stdout.split()]
-
-
 def alive(pid: int) -> bool:
     """Whether a process runs; one that is dead may wait for the system to take note."""
     done = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True)
     return bool(done.stdout.strip()) and not done.stdout.startswith("Z")
-
-
-def server(pool: LocalPool) -> int:
-    assert pool._process is not None
-    return pool._process.pid
 
 
 def test_calls_return_in_order(pool: LocalPool) -> None:
@@ -111,7 +101,7 @@ def test_an_error_that_is_not_caught_is_printed(pool: LocalPool) -> None:
 def test_a_waiting_process_may_be_killed(pool: LocalPool) -> None:
     """It costs no call: another is forked."""
     ended(pool, double, 1)
-    (spare,) = children(server(pool))
+    (spare,) = children_of(server_of(pool))
     os.kill(spare, signal.SIGKILL)
     time.sleep(0.2)
     assert [end.value for end in ended(pool, double, 2, 3)] == [4, 6]
@@ -122,7 +112,7 @@ def test_a_call_that_had_not_started_is_not_lost(pool: LocalPool) -> None:
     pool.start("runs", sleep, 60.0, Limits())
     pool.start("waits", double, 4, Limits())
     time.sleep(1.0)
-    below = children(server(pool))
+    below = children_of(server_of(pool))
     pool.kill()
     found = dict(pool.wait(10.0))
     assert {key: end.how for key, end in found.items()} == {"runs": "lost"}
