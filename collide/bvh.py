@@ -13,7 +13,17 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_F64_2, OUT_I32_1, OUT_I32_2, helper, kernel
+from toile.geometry.kernel import (
+    F64_2,
+    I32_1,
+    I32_2,
+    OUT_F64_2,
+    OUT_I32_1,
+    OUT_I32_2,
+    helper,
+    kernel,
+    unsigned,
+)
 
 LEAF_SIZE = 4
 
@@ -186,26 +196,29 @@ def _overlaps(  # type: ignore[no-untyped-def]
     depth = 1
     while depth > 0:
         depth -= 1
-        i = stack[depth, 0]
-        j = stack[depth, 1]
-        if not (same and i == j) and _apart(tree_a, i, tree_b, j):
+        i = unsigned(stack[depth, 0])
+        j = unsigned(stack[depth, 1])
+        itself = same and i == j
+        if not itself and _apart(tree_a, i, tree_b, j):
             continue
         leaf_i = child_a[i, 0] < 0
         leaf_j = child_b[j, 0] < 0
         if leaf_i and leaf_j:
             first_i = -1 - child_a[i, 0]
             first_j = -1 - child_b[j, 0]
-            for k in range(first_i, first_i + child_a[i, 1]):
-                a = order_a[k]
-                begin = k + 1 if same and i == j else first_j
-                for m in range(begin, first_j + child_b[j, 1]):
-                    b = order_b[m]
+            for k in range(unsigned(first_i), unsigned(first_i + child_a[i, 1])):
+                a = unsigned(order_a[k])
+                if not itself and _apart(boxes_a, a, tree_b, j):
+                    continue
+                begin = k + unsigned(1) if itself else unsigned(first_j)
+                for m in range(begin, unsigned(first_j + child_b[j, 1])):
+                    b = unsigned(order_b[m])
                     if not _apart(boxes_a, a, boxes_b, b):
                         if found < capacity:
                             pairs[found, 0] = a
                             pairs[found, 1] = b
                         found += 1
-        elif same and i == j:
+        elif itself:
             left = child_a[i, 0]
             right = child_a[i, 1]
             stack[depth, 0] = left

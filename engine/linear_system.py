@@ -28,6 +28,7 @@ from toile.geometry.kernel import (
     OUT_F64_3,
     OUT_I32_1,
     kernel,
+    packed_kernel,
     unsigned,
 )
 
@@ -79,6 +80,9 @@ class LinearSystem:
         self.outer_indptr: Int = np.zeros(pattern.node_count + 1, np.int32)
         self.outer_indices: Int = np.zeros(0, np.int32)
         self.outer_values: Float = np.zeros(0)
+        # Rows of x one after the other, and four columns of the product: see `_multiply_outer`.
+        self._row: Float = np.zeros(3 * pattern.node_count + 1)
+        self._outer_product: Float = np.zeros((pattern.node_count, 4))
         if bending is not None:
             self._split(bending)
 
@@ -151,17 +155,19 @@ class LinearSystem:
 
     def apply(self, x: Float, product: Float) -> float:
         """Write A x into `product` and return x . A x; shapes (node_count, 3). x must vanish at pins."""
+        if len(self.outer_values):
+            np.copyto(self._row[:-1].reshape(-1, 3), x)
+            _multiply_outer(
+                self.outer_indptr,
+                self.outer_indices,
+                self.outer_values,
+                self.outer_scale,
+                self.pinned,
+                self._row,
+                self._outer_product,
+            )
         energy: float = _multiply(
-            self.pattern.indptr,
-            self.pattern.indices,
-            self.blocks,
-            self.outer_indptr,
-            self.outer_indices,
-            self.outer_values,
-            self.outer_scale,
-            self.pinned,
-            x,
-            product,
+            self.pattern.indptr, self.pattern.indices, self.blocks, x, self._outer_product, product
         )
         if self.has_distant_contacts:
             energy += self.add_distant_contacts(x, product)
@@ -244,34 +250,43 @@ def _make_identity(indptr: Int, indices: Int, pinned: Bool, blocks: Float) -> No
                         blocks[k, r, q] = 1.0 if i == j and r == q else 0.0
 
 
-@kernel(types.float64(I32_1, I32_1, F64_3, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_2, OUT_F64_2))
-def _multiply(
-    indptr: Int,
-    indices: Int,
-    blocks: Float,
-    outer_indptr: Int,
-    outer_indices: Int,
-    outer_values: Float,
-    outer_scale: float,
-    pinned: Bool,
-    x: Float,
-    product: Float,
-) -> float:
-    energy = 0.0
+@packed_kernel(types.void(I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_1, OUT_F64_2))
+def _multiply_outer(
+    indptr: Int, indices: Int, values: Float, scale: float, pinned: Bool, row: Float, product: Float
+) -> None:
+    """Write the outer part of A x, with a fourth column of no meaning: four sums are made at once.
+
+    `row` are the rows of x one after the other, shape (3 n + 1,).
+    """
     for i in range(pinned.shape[0]):
         y0 = 0.0
         y1 = 0.0
         y2 = 0.0
+        y3 = 0.0
         if not pinned[i]:
-            for k in range(unsigned(outer_indptr[i]), unsigned(outer_indptr[i + 1])):
-                j = unsigned(outer_indices[k])
-                value = outer_values[k]
-                y0 += value * x[j, 0]
-                y1 += value * x[j, 1]
-                y2 += value * x[j, 2]
-            y0 *= outer_scale
-            y1 *= outer_scale
-            y2 *= outer_scale
+            for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
+                j = unsigned(3) * unsigned(indices[k])
+                value = values[k]
+                y0 += value * row[j]
+                y1 += value * row[j + unsigned(1)]
+                y2 += value * row[j + unsigned(2)]
+                y3 += value * row[j + unsigned(3)]
+        product[i, 0] = scale * y0
+        product[i, 1] = scale * y1
+        product[i, 2] = scale * y2
+        product[i, 3] = scale * y3
+
+
+@kernel(types.float64(I32_1, I32_1, F64_3, F64_2, F64_2, OUT_F64_2))
+def _multiply(
+    indptr: Int, indices: Int, blocks: Float, x: Float, outer_product: Float, product: Float
+) -> float:
+    """Write A x, to which the outer part belongs already, and return x . A x."""
+    energy = 0.0
+    for i in range(product.shape[0]):
+        y0 = outer_product[i, 0]
+        y1 = outer_product[i, 1]
+        y2 = outer_product[i, 2]
         for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
             j = unsigned(indices[k])
             x0 = x[j, 0]

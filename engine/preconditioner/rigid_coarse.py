@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.aggregates import aggregate_nodes
 from toile.engine.preconditioner.band_cholesky import factorise, substitute
+from toile.engine.preconditioner.rigid_transfer import prolong, restrict, take_restricted
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     BOOL_1,
@@ -26,6 +27,8 @@ from toile.geometry.kernel import (
     OUT_F64_2,
     OUT_F64_3,
     kernel,
+    packed_kernel,
+    unsigned,
 )
 
 Int64 = npt.NDArray[np.int64]
@@ -43,19 +46,19 @@ class RigidCoarseSpace:
         self.group_count = int(self._group.max(initial=-1)) + 1
         rows = np.repeat(np.arange(count), np.diff(pattern.indptr))
         outer_rows = np.repeat(np.arange(count), np.diff(system.outer_indptr))
-        keys = np.concatenate([rows, outer_rows]) * self.group_count
-        keys += self._group[np.concatenate([pattern.indices, system.outer_indices])]
+        # A Z by columns: what the motions of one group do to all nodes lies together.
+        keys = self._group[np.concatenate([pattern.indices, system.outer_indices])].astype(np.int64) * count
+        keys += np.concatenate([rows, outer_rows])
         unique, inverse = np.unique(keys, return_inverse=True)
         slots = inverse.astype(np.int32)
         self._slots: Int = slots[: len(rows)].copy()
         self._outer_slots: Int = slots[len(rows) :].copy()
-        self._indices: Int = (unique % self.group_count).astype(np.int32)
-        self._indptr: Int = np.searchsorted(unique, np.arange(count + 1) * self.group_count).astype(np.int32)
+        groups, nodes = unique // count, unique % count
+        self._nodes: Int = nodes.astype(np.int32)
+        self._indptr: Int = np.searchsorted(groups, np.arange(self.group_count + 1)).astype(np.int32)
         self._product: Float = np.zeros((len(unique), 3, 6))
         self._offsets: Float = np.zeros((count, 3))
-        node_rows = np.repeat(np.arange(count), np.diff(self._indptr))
-        pairs = np.unique(self._group[node_rows].astype(np.int64) * self.group_count + self._indices)
-        self._group_pairs = pairs
+        self._group_pairs: Int64 = np.unique(self._group[nodes].astype(np.int64) * self.group_count + groups)
         self._rank: Int = np.zeros(self.group_count, np.int32)
         self._ordered: Int64 | None = None
         self._half_bandwidth = 0
@@ -119,7 +122,7 @@ class RigidCoarseSpace:
         band = np.zeros((6 * self.group_count, 6 * width + 6))
         _assemble_coarse(
             self._indptr,
-            self._indices,
+            self._nodes,
             self._group,
             self._rank,
             self._pinned,
@@ -143,19 +146,23 @@ class RigidCoarseSpace:
     def restrict(self, forces: Float) -> Float:
         """Return Z^T forces; forces [N], shape (node_count, 3)."""
         loads = np.zeros(6 * self.group_count)
-        _restrict(self._group, self._rank, self._pinned, self._offsets, forces, loads)
+        restrict(self._group, self._rank, self._pinned, self._offsets, forces, loads)
+        return loads
+
+    def take_restricted(self, nodes: Int, forces: Float) -> Float:
+        """Return Z^T forces, which act on `nodes` alone, shape (k,), ascending; afterwards there are none."""
+        loads = np.zeros(6 * self.group_count)
+        take_restricted(nodes, self._group, self._rank, self._pinned, self._offsets, forces, loads)
         return loads
 
     def add_prolonged(self, motions: Float, residual: Float, out: Float) -> float:
         """Add Z motions to the displacements `out` [m], shape (node_count, 3); return residual . out."""
-        product: float = _prolong(
-            self._group, self._rank, self._pinned, self._offsets, motions, residual, out
-        )
+        product: float = prolong(self._group, self._rank, self._pinned, self._offsets, motions, residual, out)
         return product
 
     def subtract_restricted_product(self, displacements: Float, loads: Float) -> None:
         """Subtract Z^T A displacements, without the contacts outside the pattern, from `loads`."""
-        _subtract_product(self._indptr, self._indices, self._rank, self._product, displacements, loads)
+        _subtract_product(self._indptr, self._nodes, self._rank, self._product, displacements, loads)
 
 
 @kernel(types.void(I32_1, I32_1, I32_1, F64_3, BOOL_1, F64_2, OUT_F64_3))
@@ -163,11 +170,11 @@ def _multiply_motions(
     indptr: Int, indices: Int, slots: Int, blocks: Float, pinned: Bool, offsets: Float, product: Float
 ) -> None:
     for i in range(pinned.shape[0]):
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
+            j = unsigned(indices[k])
             if pinned[i] or pinned[j]:
                 continue
-            s = slots[k]
+            s = unsigned(slots[k])
             d0 = offsets[j, 0]
             d1 = offsets[j, 1]
             d2 = offsets[j, 2]
@@ -195,11 +202,11 @@ def _multiply_motions_outer(
     product: Float,
 ) -> None:
     for i in range(pinned.shape[0]):
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
+            j = unsigned(indices[k])
             if pinned[i] or pinned[j]:
                 continue
-            s = slots[k]
+            s = unsigned(slots[k])
             value = scale * values[k]
             d0 = value * offsets[j, 0]
             d1 = value * offsets[j, 1]
@@ -218,7 +225,7 @@ def _multiply_motions_outer(
 @kernel(types.void(I32_1, I32_1, I32_1, I32_1, BOOL_1, F64_2, F64_3, OUT_F64_2))
 def _assemble_coarse(
     indptr: Int,
-    indices: Int,
+    nodes: Int,
     group: Int,
     rank: Int,
     pinned: Bool,
@@ -227,17 +234,16 @@ def _assemble_coarse(
     band: Float,
 ) -> None:
     """Add Z^T (A Z) to the lower band: entry (row, column) is band[column, row - column]."""
-    for i in range(pinned.shape[0]):
-        if pinned[i]:
-            continue
-        row = 6 * rank[group[i]]
-        d0 = offsets[i, 0]
-        d1 = offsets[i, 1]
-        d2 = offsets[i, 2]
-        for k in range(indptr[i], indptr[i + 1]):
-            column = 6 * rank[indices[k]]
-            if column > row:
+    for g in range(rank.shape[0]):
+        column = 6 * rank[g]
+        for k in range(unsigned(indptr[g]), unsigned(indptr[g + 1])):
+            i = unsigned(nodes[k])
+            row = 6 * rank[group[i]]
+            if pinned[i] or column > row:
                 continue
+            d0 = offsets[i, 0]
+            d1 = offsets[i, 1]
+            d2 = offsets[i, 2]
             for c in range(6):
                 p0 = product[k, 0, c]
                 p1 = product[k, 1, c]
@@ -315,50 +321,32 @@ def _assemble_coarse_contacts(
                             )
 
 
-@kernel(types.void(I32_1, I32_1, BOOL_1, F64_2, F64_2, OUT_F64_1))
-def _restrict(group: Int, rank: Int, pinned: Bool, offsets: Float, forces: Float, loads: Float) -> None:
-    for i in range(pinned.shape[0]):
-        if pinned[i]:
-            continue
-        at = 6 * rank[group[i]]
-        f0 = forces[i, 0]
-        f1 = forces[i, 1]
-        f2 = forces[i, 2]
-        loads[at] += f0
-        loads[at + 1] += f1
-        loads[at + 2] += f2
-        loads[at + 3] += offsets[i, 1] * f2 - offsets[i, 2] * f1
-        loads[at + 4] += offsets[i, 2] * f0 - offsets[i, 0] * f2
-        loads[at + 5] += offsets[i, 0] * f1 - offsets[i, 1] * f0
-
-
-@kernel(types.float64(I32_1, I32_1, BOOL_1, F64_2, F64_1, F64_2, OUT_F64_2))
-def _prolong(
-    group: Int, rank: Int, pinned: Bool, offsets: Float, motions: Float, residual: Float, out: Float
-) -> float:
-    product = 0.0
-    for i in range(pinned.shape[0]):
-        if not pinned[i]:
-            at = 6 * rank[group[i]]
-            d0 = offsets[i, 0]
-            d1 = offsets[i, 1]
-            d2 = offsets[i, 2]
-            out[i, 0] += motions[at] + motions[at + 4] * d2 - motions[at + 5] * d1
-            out[i, 1] += motions[at + 1] + motions[at + 5] * d0 - motions[at + 3] * d2
-            out[i, 2] += motions[at + 2] + motions[at + 3] * d1 - motions[at + 4] * d0
-        product += residual[i, 0] * out[i, 0] + residual[i, 1] * out[i, 1] + residual[i, 2] * out[i, 2]
-    return product
-
-
-@kernel(types.void(I32_1, I32_1, I32_1, F64_3, F64_2, OUT_F64_1))
+@packed_kernel(types.void(I32_1, I32_1, I32_1, F64_3, F64_2, OUT_F64_1))
 def _subtract_product(
-    indptr: Int, indices: Int, rank: Int, product: Float, displacements: Float, loads: Float
+    indptr: Int, nodes: Int, rank: Int, product: Float, displacements: Float, loads: Float
 ) -> None:
-    for i in range(displacements.shape[0]):
-        x0 = displacements[i, 0]
-        x1 = displacements[i, 1]
-        x2 = displacements[i, 2]
-        for k in range(indptr[i], indptr[i + 1]):
-            at = 6 * rank[indices[k]]
-            for c in range(6):
-                loads[at + c] -= product[k, 0, c] * x0 + product[k, 1, c] * x1 + product[k, 2, c] * x2
+    for g in range(rank.shape[0]):
+        load = loads[6 * rank[g] :]
+        s0 = load[0]
+        s1 = load[1]
+        s2 = load[2]
+        s3 = load[3]
+        s4 = load[4]
+        s5 = load[5]
+        for k in range(unsigned(indptr[g]), unsigned(indptr[g + 1])):
+            i = unsigned(nodes[k])
+            x0 = displacements[i, 0]
+            x1 = displacements[i, 1]
+            x2 = displacements[i, 2]
+            s0 -= product[k, 0, 0] * x0 + product[k, 1, 0] * x1 + product[k, 2, 0] * x2
+            s1 -= product[k, 0, 1] * x0 + product[k, 1, 1] * x1 + product[k, 2, 1] * x2
+            s2 -= product[k, 0, 2] * x0 + product[k, 1, 2] * x1 + product[k, 2, 2] * x2
+            s3 -= product[k, 0, 3] * x0 + product[k, 1, 3] * x1 + product[k, 2, 3] * x2
+            s4 -= product[k, 0, 4] * x0 + product[k, 1, 4] * x1 + product[k, 2, 4] * x2
+            s5 -= product[k, 0, 5] * x0 + product[k, 1, 5] * x1 + product[k, 2, 5] * x2
+        load[0] = s0
+        load[1] = s1
+        load[2] = s2
+        load[3] = s3
+        load[4] = s4
+        load[5] = s5

@@ -9,10 +9,10 @@ keep, this is the symmetric (I - Q A) S^-1 (I - A Q) at two thirds of the cost.
 
 import numpy as np
 
-from toile.engine.linear_system import LinearSystem
+from toile.engine.linear_system import NO_CONTACTS, LinearSystem
 from toile.engine.preconditioner.gauss_seidel import SymmetricGaussSeidel
 from toile.engine.preconditioner.rigid_coarse import RigidCoarseSpace
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Float, Int
 
 
 class TwoLevel:
@@ -23,6 +23,8 @@ class TwoLevel:
         self._coarse = RigidCoarseSpace(system, group_size)
         self._system = system
         self._forces: Float = np.zeros((system.pattern.node_count, 3))
+        self._distant = NO_CONTACTS
+        self._touched: Int = np.zeros(0, np.int32)
 
     def update(self, system: LinearSystem, positions: Float) -> None:
         """Follow new numbers; positions: node positions [m], shape (node_count, 3)."""
@@ -37,9 +39,12 @@ class TwoLevel:
         loads = coarse.restrict(residual)
         coarse.subtract_restricted_product(out, loads)
         if self._system.has_distant_contacts:
-            self._forces[:] = 0.0
+            contacts = self._system.contacts
+            if contacts is not self._distant:
+                self._distant = contacts
+                self._touched = np.unique(contacts.nodes[contacts.nodes >= 0])
             self._system.add_distant_contacts(out, self._forces)
-            loads -= coarse.restrict(self._forces)
+            loads -= coarse.take_restricted(self._touched, self._forces)
         coarse.solve(loads)
         return coarse.add_prolonged(loads, residual, out)
 

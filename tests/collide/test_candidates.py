@@ -107,6 +107,25 @@ def test_the_list_is_brute_force(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+def test_neighbours_in_smooth_cloth_are_listed_where_they_come_close(seed: int) -> None:
+    """Faces around a vertex are told apart by a line where cloth is smooth; some here reach each other."""
+    generator = np.random.default_rng(200 + seed)
+    x, faces = crumpled(generator, 7, 0.02, 0.1)
+    weld = np.arange(len(x), dtype=np.int32)
+    # Two nodes that are sewn but still apart.
+    weld[[10, 30]] = 10
+    motion = generator.uniform(0.0, 0.011, size=len(x))
+    search = ContactSearch(faces, weld, None, self_contact=True, radius_self=1e-3, radius_body=1e-3)
+    search.search(x, motion)
+    reach = 5e-4 + motion
+    near = brute_force(x, all_vertex_faces(vertices(len(x)), faces), 0, reach, weld)
+    assert listed(search.cloth[0], 0) == near
+    edge_edges = all_edge_edges(edges_of(faces))
+    assert listed(search.cloth[1], 1) == brute_force(x, edge_edges, 1, reach, weld)
+    assert 10 < len(near) < 0.05 * len(x) * len(faces)
+
+
+@pytest.mark.parametrize("seed", range(6))
 def test_the_list_covers_a_drift_and_what_strays_from_it(seed: int) -> None:
     """All nodes do the same share of their drift: every pair within the contact radius is listed."""
     x, faces, body, body_faces = scene(seed)

@@ -145,6 +145,26 @@ def test_product_equals_dense_twin(pins: bool) -> None:
     assert energy == pytest.approx(float(x.ravel() @ problem.dense @ x.ravel()), rel=1e-12)
 
 
+def test_sums_made_at_once_are_those_made_one_by_one() -> None:
+    """To the last bit: the product is the same on machines that add fewer numbers at once."""
+    problem = Problem(contact_count=0, pins=False)
+    system = problem.system
+    x = np.random.default_rng(1).normal(size=(problem.count, 3))
+    product = np.empty_like(x)
+    system.apply(x, product)
+    for i in range(problem.count):
+        outer = [0.0, 0.0, 0.0]
+        for k in range(system.outer_indptr[i], system.outer_indptr[i + 1]):
+            for axis in range(3):
+                outer[axis] += system.outer_values[k] * x[system.outer_indices[k], axis]
+        row = [problem.scale * value for value in outer]
+        for k in range(system.pattern.indptr[i], system.pattern.indptr[i + 1]):
+            block, other = system.blocks[k], x[system.pattern.indices[k]]
+            for axis in range(3):
+                row[axis] += block[axis, 0] * other[0] + block[axis, 1] * other[1] + block[axis, 2] * other[2]
+        assert product[i].tolist() == row
+
+
 def test_diagonal_blocks_equal_dense_twin() -> None:
     problem = Problem()
     dense = problem.dense.reshape(problem.count, 3, problem.count, 3)
