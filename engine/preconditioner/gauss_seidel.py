@@ -1,8 +1,8 @@
 """Symmetric block Gauss-Seidel: M = (D + L) D^-1 (D + L^T), one forward and one backward sweep.
 
-D is A's block diagonal, L its strictly lower part inside the element pattern, in reverse
-Cuthill-McKee order. M is positive definite whenever D is, which an incomplete Cholesky factor is not:
-on stiff cloth IC(0) met indefinite pivots in 1 row of 40.
+D is A's block diagonal, L its strictly lower part inside the element pattern and of contacts, in reverse
+Cuthill-McKee order of the pattern. M is positive definite whenever D is, which an incomplete Cholesky
+factor is not: on stiff cloth IC(0) met indefinite pivots in 1 row of 40.
 """
 
 import numpy as np
@@ -14,22 +14,39 @@ from toile.engine.assembly import BlockPattern
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.block_jacobi import invert_blocks
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, F64_3, I32_1, OUT_F64_2, OUT_F64_3, kernel
+from toile.geometry.kernel import (
+    F64_2,
+    F64_3,
+    I32_1,
+    I32_2,
+    OUT_F64_2,
+    OUT_F64_3,
+    OUT_I32_1,
+    kernel,
+    unsigned,
+)
 
 
 class SymmetricGaussSeidel:
-    """One symmetric sweep, for one topology."""
+    """One symmetric sweep, for one topology.
+
+    Attributes
+    ----------
+    order
+        Nodes in the order of the forward sweep, shape (node_count,).
+    """
 
     def __init__(self, pattern: BlockPattern) -> None:
         count = pattern.node_count
         graph = csr_array(
             (np.ones(pattern.slot_count), pattern.indices, pattern.indptr), shape=(count, count)
         )
-        self._order: Int = np.ascontiguousarray(
+        self.order: Int = np.ascontiguousarray(
             reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int32
         )
         rank = np.empty(count, np.int32)
-        rank[self._order] = np.arange(count, dtype=np.int32)
+        rank[self.order] = np.arange(count, dtype=np.int32)
+        self._rank: Int = rank
         rows = rank[np.repeat(np.arange(count), np.diff(pattern.indptr))]
         columns = rank[pattern.indices]
         lower = np.flatnonzero(columns < rows)
@@ -41,20 +58,43 @@ class SymmetricGaussSeidel:
         self._inverses: Float = np.zeros((count, 3, 3))
         self._work: Float = np.zeros((count, 3))
         self._sums: Float = np.zeros((count, 3))
+        self._far_indptr: Int = np.zeros(count + 1, np.int32)
+        self._far_indices: Int = np.zeros(0, np.int32)
+        self._far_blocks: Float = np.zeros((0, 3, 3))
 
     def update(self, system: LinearSystem, positions: Float) -> None:
         """Copy the lower triangle in sweep order and invert the diagonal; positions are not used."""
-        self._inverses = system.diagonal_blocks()[self._order]
+        self._inverses = system.diagonal_blocks()[self.order]
         invert_blocks(self._inverses)
         _gather_blocks(self._slots, system.blocks, self._lower)
+        self._couple(system)
+
+    def _couple(self, system: LinearSystem) -> None:
+        """List what contacts outside the pattern add to L, by row."""
+        nodes, weights, stiffness = system.contacts
+        self._far_indptr[:] = 0
+        if not len(nodes):
+            return
+        _count_couplings(nodes, weights, self._rank, self._far_indptr)
+        np.cumsum(self._far_indptr, out=self._far_indptr)
+        count = int(self._far_indptr[-1])
+        self._far_indices = np.empty(count, np.int32)
+        self._far_blocks = np.empty((count, 3, 3))
+        _list_couplings(
+            nodes, weights, stiffness, self._rank, self._far_indptr[:-1].copy(), self._far_indices,
+            self._far_blocks,
+        )  # fmt: skip
 
     def apply(self, residual: Float, out: Float) -> float:
         """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""
         product: float = _sweep(
-            self._order,
+            self.order,
             self._indptr,
             self._indices,
             self._lower,
+            self._far_indptr,
+            self._far_indices,
+            self._far_blocks,
             self._inverses,
             residual,
             self._work,
@@ -77,12 +117,52 @@ def _gather_blocks(slots: Int, source: Float, target: Float) -> None:
                 target[k, r, c] = source[s, r, c]
 
 
-@kernel(types.float64(I32_1, I32_1, I32_1, F64_3, F64_3, F64_2, OUT_F64_2, OUT_F64_2, OUT_F64_2))
+@kernel(types.void(I32_2, F64_2, I32_1, OUT_I32_1))
+def _count_couplings(nodes: Int, weights: Float, rank: Int, after: Int) -> None:
+    """Count the pairs of nodes that contacts couple, after the row of the later one."""
+    for c in range(nodes.shape[0]):
+        for a in range(4):
+            for b in range(a):
+                if nodes[c, a] >= 0 and nodes[c, b] >= 0 and weights[c, a] * weights[c, b] != 0.0:
+                    after[max(rank[nodes[c, a]], rank[nodes[c, b]]) + 1] += 1
+
+
+@kernel(types.void(I32_2, F64_2, F64_3, I32_1, OUT_I32_1, OUT_I32_1, OUT_F64_3))
+def _list_couplings(
+    nodes: Int, weights: Float, stiffness: Float, rank: Int, place: Int, indices: Int, blocks: Float
+) -> None:
+    """Write the blocks of the pairs that `_count_couplings` counts; a row's next one goes to its place."""
+    for c in range(nodes.shape[0]):
+        for a in range(4):
+            for b in range(a):
+                if nodes[c, a] < 0 or nodes[c, b] < 0:
+                    continue
+                weight = weights[c, a] * weights[c, b]
+                if weight == 0.0:
+                    continue
+                first, second = rank[nodes[c, a]], rank[nodes[c, b]]
+                row = max(first, second)
+                k = place[row]
+                place[row] += 1
+                indices[k] = min(first, second)
+                for r in range(3):
+                    for q in range(3):
+                        blocks[k, r, q] = weight * stiffness[c, r, q]
+
+
+@kernel(
+    types.float64(
+        I32_1, I32_1, I32_1, F64_3, I32_1, I32_1, F64_3, F64_3, F64_2, OUT_F64_2, OUT_F64_2, OUT_F64_2
+    )
+)
 def _sweep(
     order: Int,
     indptr: Int,
     indices: Int,
     lower: Float,
+    far_indptr: Int,
+    far_indices: Int,
+    far_blocks: Float,
     inverses: Float,
     residual: Float,
     work: Float,
@@ -90,18 +170,26 @@ def _sweep(
     out: Float,
 ) -> float:
     for o in range(order.shape[0]):
-        i = order[o]
+        i = unsigned(order[o])
         r0 = residual[i, 0]
         r1 = residual[i, 1]
         r2 = residual[i, 2]
-        for k in range(indptr[o], indptr[o + 1]):
-            j = indices[k]
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
+            j = unsigned(indices[k])
             x0 = work[j, 0]
             x1 = work[j, 1]
             x2 = work[j, 2]
             r0 -= lower[k, 0, 0] * x0 + lower[k, 0, 1] * x1 + lower[k, 0, 2] * x2
             r1 -= lower[k, 1, 0] * x0 + lower[k, 1, 1] * x1 + lower[k, 1, 2] * x2
             r2 -= lower[k, 2, 0] * x0 + lower[k, 2, 1] * x1 + lower[k, 2, 2] * x2
+        for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + 1])):
+            j = unsigned(far_indices[k])
+            x0 = work[j, 0]
+            x1 = work[j, 1]
+            x2 = work[j, 2]
+            r0 -= far_blocks[k, 0, 0] * x0 + far_blocks[k, 0, 1] * x1 + far_blocks[k, 0, 2] * x2
+            r1 -= far_blocks[k, 1, 0] * x0 + far_blocks[k, 1, 1] * x1 + far_blocks[k, 1, 2] * x2
+            r2 -= far_blocks[k, 2, 0] * x0 + far_blocks[k, 2, 1] * x1 + far_blocks[k, 2, 2] * x2
         work[o, 0] = inverses[o, 0, 0] * r0 + inverses[o, 0, 1] * r1 + inverses[o, 0, 2] * r2
         work[o, 1] = inverses[o, 1, 0] * r0 + inverses[o, 1, 1] * r1 + inverses[o, 1, 2] * r2
         work[o, 2] = inverses[o, 2, 0] * r0 + inverses[o, 2, 1] * r1 + inverses[o, 2, 2] * r2
@@ -116,12 +204,17 @@ def _sweep(
         z0 = work[o, 0] - (inverses[o, 0, 0] * s0 + inverses[o, 0, 1] * s1 + inverses[o, 0, 2] * s2)
         z1 = work[o, 1] - (inverses[o, 1, 0] * s0 + inverses[o, 1, 1] * s1 + inverses[o, 1, 2] * s2)
         z2 = work[o, 2] - (inverses[o, 2, 0] * s0 + inverses[o, 2, 1] * s1 + inverses[o, 2, 2] * s2)
-        for k in range(indptr[o], indptr[o + 1]):
-            j = indices[k]
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
+            j = unsigned(indices[k])
             sums[j, 0] += lower[k, 0, 0] * z0 + lower[k, 1, 0] * z1 + lower[k, 2, 0] * z2
             sums[j, 1] += lower[k, 0, 1] * z0 + lower[k, 1, 1] * z1 + lower[k, 2, 1] * z2
             sums[j, 2] += lower[k, 0, 2] * z0 + lower[k, 1, 2] * z1 + lower[k, 2, 2] * z2
-        i = order[o]
+        for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + 1])):
+            j = unsigned(far_indices[k])
+            sums[j, 0] += far_blocks[k, 0, 0] * z0 + far_blocks[k, 1, 0] * z1 + far_blocks[k, 2, 0] * z2
+            sums[j, 1] += far_blocks[k, 0, 1] * z0 + far_blocks[k, 1, 1] * z1 + far_blocks[k, 2, 1] * z2
+            sums[j, 2] += far_blocks[k, 0, 2] * z0 + far_blocks[k, 1, 2] * z1 + far_blocks[k, 2, 2] * z2
+        i = unsigned(order[o])
         out[i, 0] = z0
         out[i, 1] = z1
         out[i, 2] = z2

@@ -210,6 +210,27 @@ def test_preconditioner_is_symmetric_positive_definite() -> None:
         assert (values > 1e-9 * scale).sum() >= rank - 1
 
 
+def test_a_sweep_knows_all_contacts() -> None:
+    """(D + L) D^-1 (D + L^T) of all but the outer part of bending: contacts of distant nodes are in L."""
+    cloth = StiffCloth(120)
+    system = LinearSystem(cloth.pattern)
+    system.update(cloth.element_blocks, cloth.node_diagonal, contacts=cloth.contacts, pinned=cloth.pinned)
+    assert system.has_distant_contacts
+    smoother = SymmetricGaussSeidel(system.pattern)
+    smoother.update(system, cloth.positions)
+    dense = cloth.matrix()
+    free = np.repeat(~cloth.pinned, 3)
+    dense -= np.where(free[:, None] & free, np.kron(0.05 * cloth.bending.toarray(), np.eye(3)), 0.0)
+    rows = (3 * smoother.order[:, None] + np.arange(3)).ravel()
+    swept = dense[np.ix_(rows, rows)].reshape(120, 3, 120, 3)
+    node = np.arange(120)
+    diagonal = np.where((node[:, None] == node)[:, None, :, None], swept, 0.0).reshape(360, 360)
+    lower = np.where((node[:, None] > node)[:, None, :, None], swept, 0.0).reshape(360, 360)
+    both = (diagonal + lower) @ np.linalg.solve(diagonal, diagonal + lower.T)
+    inverse = as_matrix(smoother, np.eye(360))[np.ix_(rows, rows)]
+    np.testing.assert_allclose(both @ inverse, np.eye(360), atol=1e-9)
+
+
 def test_rigid_motions_of_a_group_are_solved_exactly(cloth: StiffCloth) -> None:
     two_level = TwoLevel(cloth.system, group_size=20)
     two_level.update(cloth.system, cloth.positions)
