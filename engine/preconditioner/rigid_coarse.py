@@ -52,7 +52,13 @@ class RigidCoarseSpace:
         unique, inverse = np.unique(keys, return_inverse=True)
         slots = inverse.astype(np.int32)
         self._slots: Int = slots[: len(rows)].copy()
-        self._outer_slots: Int = slots[len(rows) :].copy()
+        # Entries outside the pattern by what they add to: every sum stays in registers.
+        outer = slots[len(rows) :]
+        sorted_by_slot = np.argsort(outer, kind="stable")
+        self._outer_slots, begins = np.unique(outer[sorted_by_slot], return_index=True)
+        self._outer_indptr: Int = np.append(begins, len(outer)).astype(np.int32)
+        self._outer_indices: Int = system.outer_indices[sorted_by_slot]
+        self._outer_values: Float = system.outer_values[sorted_by_slot]
         groups, nodes = unique // count, unique % count
         self._nodes: Int = nodes.astype(np.int32)
         self._indptr: Int = np.searchsorted(groups, np.arange(self.group_count + 1)).astype(np.int32)
@@ -81,13 +87,14 @@ class RigidCoarseSpace:
             self._offsets,
             self._product,
         )
-        if len(system.outer_values):
+        if len(self._outer_values):
             _multiply_motions_outer(
-                system.outer_indptr,
-                system.outer_indices,
                 self._outer_slots,
-                system.outer_values,
+                self._outer_indptr,
+                self._outer_indices,
+                self._outer_values,
                 system.outer_scale,
+                self._nodes,
                 system.pinned,
                 self._offsets,
                 self._product,
@@ -190,36 +197,47 @@ def _multiply_motions(
                 product[s, r, 5] += d0 * b1 - d1 * b0
 
 
-@kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_2, OUT_F64_3))
+@kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, I32_1, BOOL_1, F64_2, OUT_F64_3))
 def _multiply_motions_outer(
+    slots: Int,
     indptr: Int,
     indices: Int,
-    slots: Int,
     values: Float,
     scale: float,
+    nodes: Int,
     pinned: Bool,
     offsets: Float,
     product: Float,
 ) -> None:
-    for i in range(pinned.shape[0]):
-        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
+    for t in range(slots.shape[0]):
+        block = product[unsigned(slots[t])]
+        if pinned[nodes[unsigned(slots[t])]]:
+            continue
+        move0, move1, move2 = block[0, 0], block[1, 1], block[2, 2]
+        turn10, turn20 = block[1, 3], block[2, 3]
+        turn01, turn21 = block[0, 4], block[2, 4]
+        turn02, turn12 = block[0, 5], block[1, 5]
+        for k in range(unsigned(indptr[t]), unsigned(indptr[t + 1])):
             j = unsigned(indices[k])
-            if pinned[i] or pinned[j]:
+            if pinned[j]:
                 continue
-            s = unsigned(slots[k])
             value = scale * values[k]
             d0 = value * offsets[j, 0]
             d1 = value * offsets[j, 1]
             d2 = value * offsets[j, 2]
-            product[s, 0, 0] += value
-            product[s, 1, 1] += value
-            product[s, 2, 2] += value
-            product[s, 1, 3] -= d2
-            product[s, 2, 3] += d1
-            product[s, 0, 4] += d2
-            product[s, 2, 4] -= d0
-            product[s, 0, 5] -= d1
-            product[s, 1, 5] += d0
+            move0 += value
+            move1 += value
+            move2 += value
+            turn10 -= d2
+            turn20 += d1
+            turn01 += d2
+            turn21 -= d0
+            turn02 -= d1
+            turn12 += d0
+        block[0, 0], block[1, 1], block[2, 2] = move0, move1, move2
+        block[1, 3], block[2, 3] = turn10, turn20
+        block[0, 4], block[2, 4] = turn01, turn21
+        block[0, 5], block[1, 5] = turn02, turn12
 
 
 @kernel(types.void(I32_1, I32_1, I32_1, I32_1, BOOL_1, F64_2, F64_3, OUT_F64_2))
