@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Say = Callable[[str], None]
 FOLLOWS = ("converged", "frame_limit")
 """States of a drape after which garments follow an avatar that moves."""
-SEWING_COARSENESS = 1.75, 2.0, 1.5, 1.0
+SEWING_COARSENESS = 1.75, 2.0, 1.5, 2.25, 1.25, 1.0
 """Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
 SEWING_FINENESS = 1.0, 0.92
 """The same in edges as asked for, where the mesh stays: seams that jam in one may close in another."""
