@@ -21,6 +21,7 @@ DRAPE_KERNELS = (
     "toile.engine.preconditioner.aggregates",
     "toile.engine.preconditioner.band_cholesky",
     "toile.engine.preconditioner.rigid_coarse",
+    "toile.engine.preconditioner.rigid_transfer",
     "toile.collide.bvh",
     "toile.collide.candidates",
     "toile.collide.cover",
