@@ -21,15 +21,17 @@ ALL_KERNELS = (
     + kernels.INTEGRATOR_KERNELS
     + kernels.PICTURE_KERNELS
 )
+KERNELS = ("kernel", "packed_kernel")
+"""Decorators."""
 SMALL = ("toile.engine.assembly", "toile.engine.cg")
 
 
 def holds_kernels(module: str) -> bool:
-    """Whether a function of the module is decorated with `kernel`."""
+    """Whether a function of the module is decorated with one of `KERNELS`."""
     spec = find_spec(module)
     assert spec is not None and spec.origin is not None
     return any(
-        isinstance(entry, ast.Call) and isinstance(entry.func, ast.Name) and entry.func.id == "kernel"
+        isinstance(entry, ast.Call) and isinstance(entry.func, ast.Name) and entry.func.id in KERNELS
         for node in ast.parse(Path(spec.origin).read_text()).body
         if isinstance(node, ast.FunctionDef)
         for entry in node.decorator_list
