@@ -1,8 +1,10 @@
 """Candidates of some vertices, found anew, in place of those that were known."""
 
 import numpy as np
+from numba import types
 
 from toile.geometry.arrays import Bool, Int
+from toile.geometry.kernel import BOOL_1, I32_2, OUT_BOOL_1, kernel, unsigned
 
 
 def with_pairs_of(marked: Bool, known: tuple[Int, Int], found: tuple[Int, Int]) -> tuple[Int, Int]:
@@ -16,11 +18,26 @@ def with_pairs_of(marked: Bool, known: tuple[Int, Int], found: tuple[Int, Int]) 
         (vertex-face, edge-edge) candidates. Where surfaces were searched that share features, those were
         found from either side: every pair is kept once.
     """
-    vertex_face, edge_edge = (rows[marked[rows].any(axis=1)] for rows in found)
+    vertex_face, edge_edge = (rows[with_marked(marked, rows)] for rows in found)
     merged = []
     for old, new in zip(known, (_once(vertex_face), _once(_in_order(edge_edge))), strict=True):
-        merged.append(np.concatenate([old[~marked[old].any(axis=1)], new]))
+        merged.append(np.concatenate([old[~with_marked(marked, old)], new]))
     return merged[0], merged[1]
+
+
+def with_marked(marked: Bool, rows: Int) -> Bool:
+    """Tell which rows of vertices, shape (n, k), have a marked one."""
+    having = np.empty(len(rows), bool)
+    _with_marked(marked, rows, having)
+    return having
+
+
+@kernel(types.void(BOOL_1, I32_2, OUT_BOOL_1))
+def _with_marked(marked: Bool, rows: Int, having: Bool) -> None:
+    for row in range(rows.shape[0]):
+        having[row] = False
+        for k in range(rows.shape[1]):
+            having[row] |= marked[unsigned(rows[row, k])]
 
 
 def _once(rows: Int) -> Int:

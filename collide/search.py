@@ -6,7 +6,7 @@ from numba import types
 from toile.collide import bvh
 from toile.collide.candidates import find_candidates
 from toile.collide.cover import Cover
-from toile.collide.merged_pairs import with_pairs_of
+from toile.collide.merged_pairs import with_marked, with_pairs_of
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -318,7 +318,7 @@ class ContactSearch:
     def _part(self, cover: Cover, marked: Bool) -> tuple[Surface, Float, bvh.Bvh]:
         """Return the faces of marked nodes as a surface, ready to be searched from where a cover starts."""
         self._begin(cover.origin, cover.allowed)
-        surface = surface_of(self._surface.faces[marked[self._surface.faces].any(axis=1)])
+        surface = surface_of(self._surface.faces[with_marked(marked, self._surface.faces)])
         boxes = np.empty((len(surface.faces), 12))
         _moving_boxes(self.positions, self._ends(cover.drift), surface.faces, self._reach, boxes)
         return surface, boxes, bvh.build(boxes)

@@ -25,6 +25,7 @@ DRAPE_KERNELS = (
     "toile.collide.bvh",
     "toile.collide.candidates",
     "toile.collide.cover",
+    "toile.collide.merged_pairs",
     "toile.collide.search",
     "toile.collide.shrunken",
     "toile.geometry.slope_stencil",

@@ -115,14 +115,23 @@ class Contacts:
             moved = np.where((self.nodes >= 0)[:, :, None], ahead[self.nodes], 0.0)
             opened = np.einsum("cq,cqi->ci", self.weights, moved)
             force = force - np.einsum("cij,cj->ci", self.stiffness, opened)
-        for corner in range(4):
-            nodes = self.nodes[:, corner]
-            real = nodes >= 0
+        _subtract_forces(self.nodes, self.weights, np.ascontiguousarray(force), gradient)
+
+
+@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
+def _subtract_forces(nodes: Int, weights: Float, force: Float, gradient: Float) -> None:
+    """Subtract weights times forces from the gradient at the nodes of contacts."""
+    for corner in range(4):
+        # Summed before it is subtracted: less is lost where a node's contacts balance.
+        total = np.zeros(gradient.shape)
+        for c in range(nodes.shape[0]):
+            i = nodes[c, corner]
+            if i >= 0:
+                for axis in range(3):
+                    total[i, axis] += weights[c, corner] * force[c, axis]
+        for i in range(gradient.shape[0]):
             for axis in range(3):
-                gradient[:, axis] -= np.bincount(
-                    nodes[real], weights=(self.weights[real, corner] * force[real, axis]),
-                    minlength=len(gradient),
-                )  # fmt: skip
+                gradient[i, axis] -= total[i, axis]
 
 
 @helper

@@ -44,6 +44,9 @@ class RigidCoarseSpace:
         count = pattern.node_count
         self._group: Int = aggregate_nodes(pattern.indptr, pattern.indices, group_size)
         self.group_count = int(self._group.max(initial=-1)) + 1
+        self._members: Int = np.argsort(self._group, kind="stable").astype(np.int32)
+        sizes = np.bincount(self._group, minlength=self.group_count)
+        self._begins: Int = np.append(0, np.cumsum(sizes)).astype(np.int32)
         rows = np.repeat(np.arange(count), np.diff(pattern.indptr))
         outer_rows = np.repeat(np.arange(count), np.diff(system.outer_indptr))
         # A Z by columns: what the motions of one group do to all nodes lies together.
@@ -153,7 +156,7 @@ class RigidCoarseSpace:
     def restrict(self, forces: Float) -> Float:
         """Return Z^T forces; forces [N], shape (node_count, 3)."""
         loads = np.zeros(6 * self.group_count)
-        restrict(self._group, self._rank, self._pinned, self._offsets, forces, loads)
+        restrict(self._members, self._begins, self._rank, self._pinned, self._offsets, forces, loads)
         return loads
 
     def take_restricted(self, nodes: Int, forces: Float) -> Float:

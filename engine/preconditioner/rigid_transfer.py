@@ -7,29 +7,48 @@ the group's centre. Pinned nodes take no part.
 from numba import types
 
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.kernel import BOOL_1, F64_1, F64_2, I32_1, OUT_F64_1, OUT_F64_2, helper, kernel, unsigned
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_1,
+    F64_2,
+    I32_1,
+    OUT_F64_1,
+    OUT_F64_2,
+    kernel,
+    packed_kernel,
+    unsigned,
+)
 
 
-@helper
-def _add_motions(i, at, offsets, forces, loads):  # type: ignore[no-untyped-def]
-    """Add force and torque of node i to the six loads of its group."""
-    f0 = forces[i, 0]
-    f1 = forces[i, 1]
-    f2 = forces[i, 2]
-    loads[at] += f0
-    loads[at + unsigned(1)] += f1
-    loads[at + unsigned(2)] += f2
-    loads[at + unsigned(3)] += offsets[i, 1] * f2 - offsets[i, 2] * f1
-    loads[at + unsigned(4)] += offsets[i, 2] * f0 - offsets[i, 0] * f2
-    loads[at + unsigned(5)] += offsets[i, 0] * f1 - offsets[i, 1] * f0
+@packed_kernel(types.void(I32_1, I32_1, I32_1, BOOL_1, F64_2, F64_2, OUT_F64_1))
+def restrict(
+    members: Int, indptr: Int, rank: Int, pinned: Bool, offsets: Float, forces: Float, loads: Float
+) -> None:
+    """Write Z^T forces [N], shape (n, 3), into the loads, shape (6 g,).
 
-
-@kernel(types.void(I32_1, I32_1, BOOL_1, F64_2, F64_2, OUT_F64_1))
-def restrict(group: Int, rank: Int, pinned: Bool, offsets: Float, forces: Float, loads: Float) -> None:
-    """Add Z^T forces [N], shape (n, 3), to the loads, shape (6 g,)."""
-    for i in range(pinned.shape[0]):
-        if not pinned[i]:
-            _add_motions(unsigned(i), unsigned(6 * rank[unsigned(group[i])]), offsets, forces, loads)
+    The nodes of group g are members[indptr[g]:indptr[g + 1]].
+    """
+    for g in range(rank.shape[0]):
+        s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(unsigned(indptr[g]), unsigned(indptr[g + 1])):
+            i = unsigned(members[k])
+            if not pinned[i]:
+                f0 = forces[i, 0]
+                f1 = forces[i, 1]
+                f2 = forces[i, 2]
+                s0 += f0
+                s1 += f1
+                s2 += f2
+                s3 += offsets[i, 1] * f2 - offsets[i, 2] * f1
+                s4 += offsets[i, 2] * f0 - offsets[i, 0] * f2
+                s5 += offsets[i, 0] * f1 - offsets[i, 1] * f0
+        load = loads[6 * rank[g] :]
+        load[0] = s0
+        load[1] = s1
+        load[2] = s2
+        load[3] = s3
+        load[4] = s4
+        load[5] = s5
 
 
 @kernel(types.void(I32_1, I32_1, I32_1, BOOL_1, F64_2, OUT_F64_2, OUT_F64_1))
@@ -40,7 +59,16 @@ def take_restricted(
     for n in range(nodes.shape[0]):
         i = unsigned(nodes[n])
         if not pinned[i]:
-            _add_motions(i, unsigned(6 * rank[unsigned(group[i])]), offsets, forces, loads)
+            load = loads[6 * rank[unsigned(group[i])] :]
+            f0 = forces[i, 0]
+            f1 = forces[i, 1]
+            f2 = forces[i, 2]
+            load[0] += f0
+            load[1] += f1
+            load[2] += f2
+            load[3] += offsets[i, 1] * f2 - offsets[i, 2] * f1
+            load[4] += offsets[i, 2] * f0 - offsets[i, 0] * f2
+            load[5] += offsets[i, 0] * f1 - offsets[i, 1] * f0
         forces[i, 0] = 0.0
         forces[i, 1] = 0.0
         forces[i, 2] = 0.0
