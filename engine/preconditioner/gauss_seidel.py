@@ -18,10 +18,8 @@ from toile.geometry.kernel import (
     F64_2,
     F64_3,
     I32_1,
-    I32_2,
     OUT_F64_2,
     OUT_F64_3,
-    OUT_I32_1,
     kernel,
     unsigned,
 )
@@ -72,18 +70,17 @@ class SymmetricGaussSeidel:
     def _couple(self, system: LinearSystem) -> None:
         """List what contacts outside the pattern add to L, by row."""
         nodes, weights, stiffness = system.contacts
-        self._far_indptr[:] = 0
-        if not len(nodes):
-            return
-        _count_couplings(nodes, weights, self._rank, self._far_indptr)
-        np.cumsum(self._far_indptr, out=self._far_indptr)
-        count = int(self._far_indptr[-1])
-        self._far_indices = np.empty(count, np.int32)
-        self._far_blocks = np.empty((count, 3, 3))
-        _list_couplings(
-            nodes, weights, stiffness, self._rank, self._far_indptr[:-1].copy(), self._far_indices,
-            self._far_blocks,
-        )  # fmt: skip
+        first, second = np.tril_indices(4, -1)
+        weight = weights[:, first] * weights[:, second]
+        used = (nodes[:, first] >= 0) & (nodes[:, second] >= 0) & (weight != 0.0)
+        ranks = self._rank[nodes[:, [first, second]]]
+        rows = ranks.max(axis=1)[used]
+        # Stable: what a row adds up does not depend on the machine.
+        by_row = np.argsort(rows, kind="stable")
+        self._far_indptr = np.searchsorted(rows[by_row], np.arange(len(self.order) + 1)).astype(np.int32)
+        self._far_indices = ranks.min(axis=1)[used][by_row]
+        contact = np.nonzero(used)[0][by_row]
+        self._far_blocks = weight[used][by_row][:, None, None] * stiffness[contact]
 
     def apply(self, residual: Float, out: Float) -> float:
         """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""
@@ -115,39 +112,6 @@ def _gather_blocks(slots: Int, source: Float, target: Float) -> None:
         for r in range(3):
             for c in range(3):
                 target[k, r, c] = source[s, r, c]
-
-
-@kernel(types.void(I32_2, F64_2, I32_1, OUT_I32_1))
-def _count_couplings(nodes: Int, weights: Float, rank: Int, after: Int) -> None:
-    """Count the pairs of nodes that contacts couple, after the row of the later one."""
-    for c in range(nodes.shape[0]):
-        for a in range(4):
-            for b in range(a):
-                if nodes[c, a] >= 0 and nodes[c, b] >= 0 and weights[c, a] * weights[c, b] != 0.0:
-                    after[max(rank[nodes[c, a]], rank[nodes[c, b]]) + 1] += 1
-
-
-@kernel(types.void(I32_2, F64_2, F64_3, I32_1, OUT_I32_1, OUT_I32_1, OUT_F64_3))
-def _list_couplings(
-    nodes: Int, weights: Float, stiffness: Float, rank: Int, place: Int, indices: Int, blocks: Float
-) -> None:
-    """Write the blocks of the pairs that `_count_couplings` counts; a row's next one goes to its place."""
-    for c in range(nodes.shape[0]):
-        for a in range(4):
-            for b in range(a):
-                if nodes[c, a] < 0 or nodes[c, b] < 0:
-                    continue
-                weight = weights[c, a] * weights[c, b]
-                if weight == 0.0:
-                    continue
-                first, second = rank[nodes[c, a]], rank[nodes[c, b]]
-                row = max(first, second)
-                k = place[row]
-                place[row] += 1
-                indices[k] = min(first, second)
-                for r in range(3):
-                    for q in range(3):
-                        blocks[k, r, q] = weight * stiffness[c, r, q]
 
 
 @kernel(
