@@ -18,7 +18,8 @@ from numba import types
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.spatial import Delaunay, cKDTree
 
-from toile.engine.assembly import BlockPattern, scatter_hessians
+from toile.engine.assembly import scatter_hessians
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.cg import solve
 from toile.engine.linear_system import ContactStencils, LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
@@ -231,9 +232,10 @@ def triad(b, c, factor, a):
 
 def product_bytes(system: LinearSystem) -> int:
     """Bytes that a product must read and write, every number once."""
+    pattern = system.pattern
     arrays = (
-        system.blocks, system.pattern.indices, system.pattern.indptr, system.outer_values,
-        system.outer_indices, system.outer_indptr, system.pinned,
+        system.blocks, pattern.order, pattern.lower_nodes, pattern.lower_indptr, system.outer_values,
+        system.outer_nodes, system.outer_indptr, system.pinned,
     )  # fmt: skip
     return sum(array.nbytes for array in arrays) + 2 * 24 * system.pattern.node_count
 

@@ -10,6 +10,7 @@ from pathlib import Path
 DRAPE_KERNELS = (
     "toile.engine.forces.membrane",
     "toile.engine.assembly",
+    "toile.engine.block_pattern",
     "toile.engine.linear_system",
     "toile.engine.cg",
     "toile.engine.preconditioner.block_jacobi",
@@ -21,6 +22,7 @@ DRAPE_KERNELS = (
     "toile.engine.preconditioner.aggregates",
     "toile.engine.preconditioner.band_cholesky",
     "toile.engine.preconditioner.rigid_coarse",
+    "toile.engine.preconditioner.rigid_product",
     "toile.engine.preconditioner.rigid_transfer",
     "toile.collide.bvh",
     "toile.collide.candidates",

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse import bsr_array
 
-from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
+from toile.engine.assembly import scatter_gradients, scatter_hessians
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.cg import CgResult, solve
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.wind import Wind
@@ -110,10 +110,9 @@ class Dynamics:
         self.system = LinearSystem(pattern, None if bending is None else bending.stiffness)
         self._preconditioner: Preconditioner = make_preconditioner(self.system)
         self._blocks = pattern.zeros()
-        self._damping: bsr_array | None = None
+        self._damping: Float | None = None
         if any(each.damping is not None for each in elements):
-            shape = (3 * len(mass), 3 * len(mass))
-            self._damping = bsr_array((pattern.zeros(), pattern.indices, pattern.indptr), shape=shape)
+            self._damping = pattern.zeros()
 
     def drifted(self, x: Float, v: Float, h: float) -> Float:
         """Return where nodes at x [m] get to within h [s], shape (n, 3); pins stay."""
@@ -125,11 +124,11 @@ class Dynamics:
             self._wind.begin(x, seconds)
         if self._damping is None:
             return
-        self._damping.data[:] = 0.0
+        self._damping[:] = 0.0
         for each, slots in zip(self._elements, self.system.pattern.slots, strict=True):
             if each.damping is not None:
                 each.damping.evaluate(x)
-                scatter_hessians(slots, each.damping.element_damping, self._damping.data)
+                scatter_hessians(slots, each.damping.element_damping, self._damping)
 
     def energy(self, x: Float) -> float:
         """Elastic and gravitational energy [J] at node positions x [m], shape (n, 3)."""
@@ -178,13 +177,13 @@ class Dynamics:
         if self._damping is None:
             blocks[:] = 0.0
         else:
-            np.multiply(self._damping.data, 1.0 / stage.h, out=blocks)
+            np.multiply(self._damping, 1.0 / stage.h, out=blocks)
         for each, slots in zip(self._elements, self.system.pattern.slots, strict=True):
             each.force.evaluate(x)
             scatter_gradients(each.nodes, each.force.element_gradient, gradient)
             scatter_hessians(slots, each.force.element_hessian, blocks)
         if self._wind is not None:
-            blocks[self.system.pattern.diagonal] += self._wind.drag / stage.h
+            blocks[self.system.pattern.rank] += self._wind.drag / stage.h
         self._add_resistance(stage.velocity_at(x), gradient)
         gradient[self.pinned] = 0.0
         self.system.update(blocks, inertia, pinned=self.pinned)
@@ -198,7 +197,9 @@ class Dynamics:
     def _damped(self, v: Float) -> Float:
         """D v [N], shape (n, 3)."""
         assert self._damping is not None
-        return np.asarray(self._damping @ v.ravel()).reshape(-1, 3)
+        product = np.empty_like(v)
+        self.system.pattern.multiply(self._damping, v, np.zeros((len(v), 4)), product)
+        return product
 
     def _element_energy(self, x: Float) -> float:
         """Energy [J] of weight and elements."""

@@ -15,7 +15,7 @@ import numpy as np
 from numba import types
 from scipy.sparse import csr_array
 
-from toile.engine.assembly import BlockPattern
+from toile.engine.block_pattern import BlockPattern
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     BOOL_1,
@@ -63,7 +63,9 @@ class LinearSystem:
     Attributes
     ----------
     blocks : merged block matrix on `pattern` [N/m], shape (slot_count, 3, 3); identity rows at pins.
-    outer_indptr, outer_indices, outer_values : entries of S outside the pattern, scalar CSR.
+        Another array after an `update` that follows `lend_blocks`.
+    outer_indptr, outer_nodes, outer_values : entries of S outside the pattern, below its diagonal in the
+        order of the pattern: CSR by rank, columns as nodes.
     outer_scale : the factor of those entries.
     contacts : contacts that do not fit the pattern; their weights vanish at pins.
     pinned : shape (node_count,).
@@ -72,13 +74,15 @@ class LinearSystem:
     def __init__(self, pattern: BlockPattern, bending: csr_array | None = None) -> None:
         self.pattern = pattern
         self.blocks: Float = pattern.zeros()
+        self._spare: Float = pattern.zeros()
+        self._lent = False
         self.pinned: Bool = np.zeros(pattern.node_count, dtype=np.bool_)
         self.contacts = NO_CONTACTS
         self.outer_scale = 0.0
         self._inner_slots: Int = np.zeros(0, np.int32)
         self._inner_values: Float = np.zeros(0)
         self.outer_indptr: Int = np.zeros(pattern.node_count + 1, np.int32)
-        self.outer_indices: Int = np.zeros(0, np.int32)
+        self.outer_nodes: Int = np.zeros(0, np.int32)
         self.outer_values: Float = np.zeros(0)
         # Rows of x one after the other, and four columns of the product: see `_multiply_outer`.
         self._row: Float = np.zeros(3 * pattern.node_count + 1)
@@ -96,13 +100,18 @@ class LinearSystem:
         pattern_rows = np.repeat(np.arange(count), np.diff(self.pattern.indptr))
         pattern_keys = pattern_rows * count + self.pattern.indices
         keys = rows * count + bending.indices
-        slots = np.minimum(np.searchsorted(pattern_keys, keys), len(pattern_keys) - 1)
-        inner = pattern_keys[slots] == keys
-        self._inner_slots = slots[inner].astype(np.int32)
-        self._inner_values = np.ascontiguousarray(bending.data[inner], dtype=np.float64)
-        self.outer_indices = bending.indices[~inner].astype(np.int32)
-        self.outer_values = np.ascontiguousarray(bending.data[~inner], dtype=np.float64)
-        self.outer_indptr = np.searchsorted(rows[~inner], np.arange(count + 1)).astype(np.int32)
+        at = np.minimum(np.searchsorted(pattern_keys, keys), len(pattern_keys) - 1)
+        inner = pattern_keys[at] == keys
+        slots = self.pattern.entries[at[inner]]
+        stored = slots >= 0
+        self._inner_slots = np.ascontiguousarray(slots[stored])
+        self._inner_values = np.ascontiguousarray(bending.data[inner][stored], dtype=np.float64)
+        row_ranks, column_ranks = self.pattern.rank[rows], self.pattern.rank[bending.indices]
+        below = np.flatnonzero(~inner & (column_ranks < row_ranks))
+        below = below[np.lexsort((column_ranks[below], row_ranks[below]))]
+        self.outer_nodes = bending.indices[below].astype(np.int32)
+        self.outer_values = np.ascontiguousarray(bending.data[below], dtype=np.float64)
+        self.outer_indptr = np.searchsorted(row_ranks[below], np.arange(count + 1)).astype(np.int32)
 
     def update(
         self,
@@ -123,8 +132,10 @@ class LinearSystem:
         contacts : this iteration's contacts.
         pinned : nodes that keep dx = 0, shape (node_count,); None: no node.
         """
+        if self._lent:
+            self.blocks, self._spare, self._lent = self._spare, self.blocks, False
         np.copyto(self.blocks, element_blocks)
-        _add_isotropic(self.pattern.diagonal, node_diagonal, 1.0, self.blocks)
+        _add_isotropic(self.pattern.rank, node_diagonal, 1.0, self.blocks)
         self.outer_scale = bending_scale
         if len(self._inner_slots):
             _add_isotropic(self._inner_slots, self._inner_values, bending_scale, self.blocks)
@@ -139,7 +150,10 @@ class LinearSystem:
     def _absorb(self, contacts: ContactStencils) -> None:
         """Add contacts that fit the pattern to the blocks; keep the others apart."""
         left = np.empty(len(contacts.nodes), np.int32)
-        count = _absorb_contacts(self.pattern.indptr, self.pattern.indices, *contacts, self.blocks, left)
+        pattern = self.pattern
+        count = _absorb_contacts(
+            pattern.rank, pattern.lower_indptr, pattern.lower_ranks, *contacts, self.blocks, left
+        )
         if count:
             kept = left[:count]
             self.contacts = ContactStencils(
@@ -148,7 +162,15 @@ class LinearSystem:
 
     def _pin(self, pinned: Bool) -> None:
         self.pinned = np.ascontiguousarray(pinned, dtype=np.bool_)
-        _make_identity(self.pattern.indptr, self.pattern.indices, self.pinned, self.blocks)
+        pattern = self.pattern
+        _make_identity(
+            pattern.order,
+            pattern.lower_indptr,
+            pattern.lower_nodes,
+            self.pinned,
+            pattern.diagonal(self.blocks),
+            pattern.lower(self.blocks),
+        )
         if len(self.contacts.nodes):
             nodes, weights, stiffness = self.contacts
             self.contacts = ContactStencils(nodes, np.where(self.pinned[nodes], 0.0, weights), stiffness)
@@ -158,17 +180,16 @@ class LinearSystem:
         if len(self.outer_values):
             np.copyto(self._row[:-1].reshape(-1, 3), x)
             _multiply_outer(
+                self.pattern.order,
                 self.outer_indptr,
-                self.outer_indices,
+                self.outer_nodes,
                 self.outer_values,
                 self.outer_scale,
                 self.pinned,
                 self._row,
                 self._outer_product,
             )
-        energy: float = _multiply(
-            self.pattern.indptr, self.pattern.indices, self.blocks, x, self._outer_product, product
-        )
+        energy = self.pattern.multiply(self.blocks, x, self._outer_product, product)
         if self.has_distant_contacts:
             energy += self.add_distant_contacts(x, product)
         return energy
@@ -183,9 +204,14 @@ class LinearSystem:
         energy: float = _multiply_contacts(*self.contacts, x, product)
         return energy
 
+    def lend_blocks(self) -> Float:
+        """Return `blocks` for others to read until the next call: an update writes elsewhere meanwhile."""
+        self._lent = True
+        return self.blocks
+
     def diagonal_blocks(self) -> Float:
-        """Return the diagonal blocks of A [N/m], shape (node_count, 3, 3)."""
-        diagonal: Float = self.blocks[self.pattern.diagonal]
+        """Return the diagonal blocks of A by node [N/m], shape (node_count, 3, 3)."""
+        diagonal: Float = self.blocks[self.pattern.rank]
         if len(self.contacts.nodes):
             _add_contact_diagonal(*self.contacts, diagonal)
         return diagonal
@@ -201,9 +227,16 @@ def _add_isotropic(slots: Int, values: Float, scale: float, blocks: Float) -> No
         blocks[s, 2, 2] += value
 
 
-@kernel(types.int64(I32_1, I32_1, I32_2, F64_2, F64_3, OUT_F64_3, OUT_I32_1))
+@kernel(types.int64(I32_1, I32_1, I32_1, I32_2, F64_2, F64_3, OUT_F64_3, OUT_I32_1))
 def _absorb_contacts(
-    indptr: Int, indices: Int, nodes: Int, weights: Float, stiffness: Float, blocks: Float, left: Int
+    rank: Int,
+    indptr: Int,
+    ranks: Int,
+    nodes: Int,
+    weights: Float,
+    stiffness: Float,
+    blocks: Float,
+    left: Int,
 ) -> int:
     """Add every contact whose node pairs all have a block; list the others in `left`, return their number."""
     left_count = 0
@@ -211,17 +244,21 @@ def _absorb_contacts(
     for c in range(nodes.shape[0]):
         fits = True
         for a in range(4):
-            for b in range(4):
-                slots[4 * a + b] = -1
-                i = nodes[c, a]
-                j = nodes[c, b]
-                if i >= 0 and j >= 0:
-                    for k in range(indptr[i], indptr[i + 1]):
-                        if indices[k] == j:
-                            slots[4 * a + b] = k
-                            break
-                    if slots[4 * a + b] < 0:
-                        fits = False
+            for b in range(a + 1):
+                slot = -1
+                if nodes[c, a] >= 0 and nodes[c, b] >= 0:
+                    row = max(rank[nodes[c, a]], rank[nodes[c, b]])
+                    column = min(rank[nodes[c, a]], rank[nodes[c, b]])
+                    if row == column:
+                        slot = row
+                    else:
+                        for k in range(indptr[row], indptr[row + 1]):
+                            if ranks[k] == column:
+                                slot = rank.shape[0] + k
+                                break
+                        if slot < 0:
+                            fits = False
+                slots[4 * a + b] = slot
             if not fits:
                 break
         if not fits:
@@ -229,77 +266,80 @@ def _absorb_contacts(
             left_count += 1
             continue
         for a in range(4):
-            for b in range(4):
+            for b in range(a + 1):
                 s = slots[4 * a + b]
                 if s >= 0:
                     weight = weights[c, a] * weights[c, b]
+                    if a != b and nodes[c, a] == nodes[c, b]:
+                        weight *= 2.0
                     for r in range(3):
                         for q in range(3):
                             blocks[s, r, q] += weight * stiffness[c, r, q]
     return left_count
 
 
-@kernel(types.void(I32_1, I32_1, BOOL_1, OUT_F64_3))
-def _make_identity(indptr: Int, indices: Int, pinned: Bool, blocks: Float) -> None:
-    for i in range(pinned.shape[0]):
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if pinned[i] or pinned[j]:
+@kernel(types.void(I32_1, I32_1, I32_1, BOOL_1, OUT_F64_3, OUT_F64_3))
+def _make_identity(order: Int, indptr: Int, nodes: Int, pinned: Bool, diagonal: Float, lower: Float) -> None:
+    for o in range(order.shape[0]):
+        i = order[o]
+        if pinned[i]:
+            for r in range(3):
+                for q in range(3):
+                    diagonal[o, r, q] = 1.0 if r == q else 0.0
+        for k in range(indptr[o], indptr[o + 1]):
+            if pinned[i] or pinned[nodes[k]]:
                 for r in range(3):
                     for q in range(3):
-                        blocks[k, r, q] = 1.0 if i == j and r == q else 0.0
+                        lower[k, r, q] = 0.0
 
 
-@packed_kernel(types.void(I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_1, OUT_F64_2))
+@packed_kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_1, OUT_F64_2))
 def _multiply_outer(
-    indptr: Int, indices: Int, values: Float, scale: float, pinned: Bool, row: Float, product: Float
+    order: Int,
+    indptr: Int,
+    nodes: Int,
+    values: Float,
+    scale: float,
+    pinned: Bool,
+    row: Float,
+    product: Float,
 ) -> None:
     """Write the outer part of A x, with a fourth column of no meaning: four sums are made at once.
 
     `row` are the rows of x one after the other, shape (3 n + 1,).
     """
-    for i in range(pinned.shape[0]):
+    for o in range(order.shape[0]):
+        i = unsigned(order[o])
+        at = unsigned(3) * i
+        u0 = scale * row[at]
+        u1 = scale * row[at + unsigned(1)]
+        u2 = scale * row[at + unsigned(2)]
+        u3 = scale * row[at + unsigned(3)]
         y0 = 0.0
         y1 = 0.0
         y2 = 0.0
         y3 = 0.0
-        if not pinned[i]:
-            for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
-                j = unsigned(3) * unsigned(indices[k])
-                value = values[k]
-                y0 += value * row[j]
-                y1 += value * row[j + unsigned(1)]
-                y2 += value * row[j + unsigned(2)]
-                y3 += value * row[j + unsigned(3)]
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
+            j = unsigned(nodes[k])
+            at = unsigned(3) * j
+            value = values[k]
+            y0 += value * row[at]
+            y1 += value * row[at + unsigned(1)]
+            y2 += value * row[at + unsigned(2)]
+            y3 += value * row[at + unsigned(3)]
+            product[j, 0] += value * u0
+            product[j, 1] += value * u1
+            product[j, 2] += value * u2
+            product[j, 3] += value * u3
         product[i, 0] = scale * y0
         product[i, 1] = scale * y1
         product[i, 2] = scale * y2
         product[i, 3] = scale * y3
-
-
-@kernel(types.float64(I32_1, I32_1, F64_3, F64_2, F64_2, OUT_F64_2))
-def _multiply(
-    indptr: Int, indices: Int, blocks: Float, x: Float, outer_product: Float, product: Float
-) -> float:
-    """Write A x, to which the outer part belongs already, and return x . A x."""
-    energy = 0.0
-    for i in range(product.shape[0]):
-        y0 = outer_product[i, 0]
-        y1 = outer_product[i, 1]
-        y2 = outer_product[i, 2]
-        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
-            j = unsigned(indices[k])
-            x0 = x[j, 0]
-            x1 = x[j, 1]
-            x2 = x[j, 2]
-            y0 += blocks[k, 0, 0] * x0 + blocks[k, 0, 1] * x1 + blocks[k, 0, 2] * x2
-            y1 += blocks[k, 1, 0] * x0 + blocks[k, 1, 1] * x1 + blocks[k, 1, 2] * x2
-            y2 += blocks[k, 2, 0] * x0 + blocks[k, 2, 1] * x1 + blocks[k, 2, 2] * x2
-        product[i, 0] = y0
-        product[i, 1] = y1
-        product[i, 2] = y2
-        energy += x[i, 0] * y0 + x[i, 1] * y1 + x[i, 2] * y2
-    return energy
+    for pin in range(pinned.shape[0]):
+        if pinned[pin]:
+            product[pin, 0] = 0.0
+            product[pin, 1] = 0.0
+            product[pin, 2] = 0.0
 
 
 @kernel(types.float64(I32_2, F64_2, F64_3, F64_2, OUT_F64_2))

@@ -10,8 +10,9 @@ import numpy as np
 from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.collide.shrunken import vertex_normals
-from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians
+from toile.engine.assembly import scatter_gradients, scatter_hessians
 from toile.engine.backing_off import backed_off
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.cloth import Cloth
 from toile.engine.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.bend import Bending
@@ -32,10 +33,9 @@ from toile.geometry.arrays import Bool, Float
 
 DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.2
 """Room of candidates in motion beside the drift of the nodes: at most [m], and as a share of their edges."""
-OVERSIZE = 4.0
-"""Candidates for more than this many times the motion at hand are too many, and searched anew."""
-FEW = 0.02
-"""Share of nodes that may be held back for want of candidates rather than search anew."""
+OVERSIZE, FEW = 4.0, 0.02
+"""Candidates for more than OVERSIZE times the motion at hand are too many, and searched anew; a share of FEW
+nodes may be held back for want of candidates rather than search anew."""
 
 
 class ClothStepper:
@@ -231,7 +231,7 @@ class ClothStepper:
             gradient = self.gradient(place, inertial, request)
             if self.wind is not None:
                 gradient += self.wind.gradient(inertia.velocity_at(place))
-                self.blocks[self.pattern.diagonal] += self.wind.drag / inertia.h[:, None, None]
+                self.blocks[self.pattern.rank] += self.wind.drag / inertia.h[:, None, None]
             stencils = []
             if self.holds is not None and request.hold_stiffness > 0.0:
                 stencils.append(self.holds.stencils(request.hold_stiffness))

@@ -133,7 +133,7 @@ def test_helpers_are_called_by_kernels_only() -> None:
             node
             for node in tree.body
             if isinstance(node, ast.FunctionDef)
-            and (is_decorated(node, "helper") or is_decorated(node, "kernel"))
+            and any(is_decorated(node, name) for name in ("helper", "kernel", "packed_kernel"))
         ]
         inside = {id(name) for node in compiled for name in ast.walk(node)}
         calls = {

@@ -18,7 +18,17 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_2, OUT_F64_3, OUT_F64_4, helper, kernel
+from toile.geometry.kernel import (
+    F64_2,
+    I32_2,
+    OUT_F64_1,
+    OUT_F64_2,
+    OUT_F64_3,
+    OUT_F64_4,
+    helper,
+    kernel,
+    packed_kernel,
+)
 
 
 @helper
@@ -47,7 +57,7 @@ def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
         energy[t] = 0.5 * shape[t, 0] * density
 
 
-@kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
+@packed_kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
 def _strains(faces: Int, shape: Float, x: Float, strain: Float) -> None:
     """Fill |f_u| - 1, |f_v| - 1, shape (t, 2)."""
     for t in range(len(faces)):

@@ -1,16 +1,14 @@
 """Symmetric block Gauss-Seidel: M = (D + L) D^-1 (D + L^T), one forward and one backward sweep.
 
-D is A's block diagonal, L its strictly lower part inside the element pattern and of contacts, in reverse
-Cuthill-McKee order of the pattern. M is positive definite whenever D is, which an incomplete Cholesky
+D is A's block diagonal, L its strictly lower part inside the element pattern and of contacts, in the order
+of the pattern. M is positive definite whenever D is, which an incomplete Cholesky
 factor is not: on stiff cloth IC(0) met indefinite pivots in 1 row of 40.
 """
 
 import numpy as np
 from numba import types
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from toile.engine.assembly import BlockPattern
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.block_jacobi import invert_blocks
 from toile.geometry.arrays import Float, Int
@@ -19,40 +17,18 @@ from toile.geometry.kernel import (
     F64_3,
     I32_1,
     OUT_F64_2,
-    OUT_F64_3,
     kernel,
     unsigned,
 )
 
 
 class SymmetricGaussSeidel:
-    """One symmetric sweep, for one topology.
-
-    Attributes
-    ----------
-    order
-        Nodes in the order of the forward sweep, shape (node_count,).
-    """
+    """One symmetric sweep, for one topology, in the order of the pattern's ranks."""
 
     def __init__(self, pattern: BlockPattern) -> None:
         count = pattern.node_count
-        graph = csr_array(
-            (np.ones(pattern.slot_count), pattern.indices, pattern.indptr), shape=(count, count)
-        )
-        self.order: Int = np.ascontiguousarray(
-            reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int32
-        )
-        rank = np.empty(count, np.int32)
-        rank[self.order] = np.arange(count, dtype=np.int32)
-        self._rank: Int = rank
-        rows = rank[np.repeat(np.arange(count), np.diff(pattern.indptr))]
-        columns = rank[pattern.indices]
-        lower = np.flatnonzero(columns < rows)
-        lower = lower[np.lexsort((columns[lower], rows[lower]))]
-        self._slots: Int = lower.astype(np.int32)
-        self._indices: Int = columns[lower]
-        self._indptr: Int = np.searchsorted(rows[lower], np.arange(count + 1)).astype(np.int32)
-        self._lower: Float = np.zeros((len(lower), 3, 3))
+        self._pattern = pattern
+        self._lower: Float = np.zeros((0, 3, 3))
         self._inverses: Float = np.zeros((count, 3, 3))
         self._work: Float = np.zeros((count, 3))
         self._sums: Float = np.zeros((count, 3))
@@ -61,10 +37,10 @@ class SymmetricGaussSeidel:
         self._far_blocks: Float = np.zeros((0, 3, 3))
 
     def update(self, system: LinearSystem, positions: Float) -> None:
-        """Copy the lower triangle in sweep order and invert the diagonal; positions are not used."""
-        self._inverses = system.diagonal_blocks()[self.order]
+        """Borrow the lower triangle and invert the diagonal; positions are not used."""
+        self._lower = self._pattern.lower(system.lend_blocks())
+        self._inverses = system.diagonal_blocks()[self._pattern.order]
         invert_blocks(self._inverses)
-        _gather_blocks(self._slots, system.blocks, self._lower)
         self._couple(system)
 
     def _couple(self, system: LinearSystem) -> None:
@@ -73,11 +49,11 @@ class SymmetricGaussSeidel:
         first, second = np.tril_indices(4, -1)
         weight = weights[:, first] * weights[:, second]
         used = (nodes[:, first] >= 0) & (nodes[:, second] >= 0) & (weight != 0.0)
-        ranks = self._rank[nodes[:, [first, second]]]
+        ranks = self._pattern.rank[nodes[:, [first, second]]]
         rows = ranks.max(axis=1)[used]
         # Stable: what a row adds up does not depend on the machine.
         by_row = np.argsort(rows, kind="stable")
-        self._far_indptr = np.searchsorted(rows[by_row], np.arange(len(self.order) + 1)).astype(np.int32)
+        self._far_indptr = np.searchsorted(rows[by_row], np.arange(len(self._inverses) + 1)).astype(np.int32)
         self._far_indices = ranks.min(axis=1)[used][by_row]
         contact = np.nonzero(used)[0][by_row]
         self._far_blocks = weight[used][by_row][:, None, None] * stiffness[contact]
@@ -85,9 +61,9 @@ class SymmetricGaussSeidel:
     def apply(self, residual: Float, out: Float) -> float:
         """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""
         product: float = _sweep(
-            self.order,
-            self._indptr,
-            self._indices,
+            self._pattern.order,
+            self._pattern.lower_indptr,
+            self._pattern.lower_ranks,
             self._lower,
             self._far_indptr,
             self._far_indices,
@@ -103,15 +79,6 @@ class SymmetricGaussSeidel:
     def correct(self, residual: Float, correction: Float) -> bool:
         """Return False: no part is solved exactly."""
         return False
-
-
-@kernel(types.void(I32_1, F64_3, OUT_F64_3))
-def _gather_blocks(slots: Int, source: Float, target: Float) -> None:
-    for k in range(slots.shape[0]):
-        s = slots[k]
-        for r in range(3):
-            for c in range(3):
-                target[k, r, c] = source[s, r, c]
 
 
 @kernel(

@@ -14,20 +14,21 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.aggregates import aggregate_nodes
 from toile.engine.preconditioner.band_cholesky import factorise, substitute
+from toile.engine.preconditioner.rigid_product import (
+    multiply_motions,
+    multiply_motions_outer,
+    subtract_product,
+)
 from toile.engine.preconditioner.rigid_transfer import prolong, restrict, take_restricted
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     BOOL_1,
-    F64_1,
     F64_2,
     F64_3,
     I32_1,
     I32_2,
-    OUT_F64_1,
     OUT_F64_2,
-    OUT_F64_3,
     kernel,
-    packed_kernel,
     unsigned,
 )
 
@@ -48,20 +49,28 @@ class RigidCoarseSpace:
         sizes = np.bincount(self._group, minlength=self.group_count)
         self._begins: Int = np.append(0, np.cumsum(sizes)).astype(np.int32)
         rows = np.repeat(np.arange(count), np.diff(pattern.indptr))
-        outer_rows = np.repeat(np.arange(count), np.diff(system.outer_indptr))
+        # Entries of bending outside the pattern, from one triangle: (row, column), then (column, row).
+        ends = np.repeat(pattern.order, np.diff(system.outer_indptr)), system.outer_nodes
+        outer_rows, outer_columns = np.concatenate(ends), np.concatenate(ends[::-1])
+        outer_values = np.tile(system.outer_values, 2)
         # A Z by columns: what the motions of one group do to all nodes lies together.
-        keys = self._group[np.concatenate([pattern.indices, system.outer_indices])].astype(np.int64) * count
+        keys = self._group[np.concatenate([pattern.indices, outer_columns])].astype(np.int64) * count
         keys += np.concatenate([rows, outer_rows])
         unique, inverse = np.unique(keys, return_inverse=True)
         slots = inverse.astype(np.int32)
-        self._slots: Int = slots[: len(rows)].copy()
+        # What a stored block adds to: by its row's node, and transposed by its column's.
+        stored = pattern.entries >= 0
+        self._row_slots: Int = np.empty(pattern.slot_count, np.int32)
+        self._column_slots: Int = self._row_slots.copy()
+        self._row_slots[pattern.entries[stored]] = slots[: len(rows)][stored]
+        self._column_slots[~pattern.entries[~stored]] = slots[: len(rows)][~stored]
         # Entries outside the pattern by what they add to: every sum stays in registers.
         outer = slots[len(rows) :]
         sorted_by_slot = np.argsort(outer, kind="stable")
         self._outer_slots, begins = np.unique(outer[sorted_by_slot], return_index=True)
         self._outer_indptr: Int = np.append(begins, len(outer)).astype(np.int32)
-        self._outer_indices: Int = system.outer_indices[sorted_by_slot]
-        self._outer_values: Float = system.outer_values[sorted_by_slot]
+        self._outer_indices: Int = outer_columns[sorted_by_slot]
+        self._outer_values: Float = outer_values[sorted_by_slot]
         groups, nodes = unique // count, unique % count
         self._nodes: Int = nodes.astype(np.int32)
         self._indptr: Int = np.searchsorted(groups, np.arange(self.group_count + 1)).astype(np.int32)
@@ -81,17 +90,20 @@ class RigidCoarseSpace:
             self._offsets[:, axis] = positions[:, axis] - centre[self._group]
         self._pinned = system.pinned
         self._product[:] = 0.0
-        _multiply_motions(
-            system.pattern.indptr,
-            system.pattern.indices,
-            self._slots,
+        pattern = system.pattern
+        multiply_motions(
+            pattern.order,
+            pattern.lower_indptr,
+            pattern.lower_nodes,
+            self._row_slots,
+            self._column_slots,
             system.blocks,
             system.pinned,
             self._offsets,
             self._product,
         )
         if len(self._outer_values):
-            _multiply_motions_outer(
+            multiply_motions_outer(
                 self._outer_slots,
                 self._outer_indptr,
                 self._outer_indices,
@@ -172,75 +184,7 @@ class RigidCoarseSpace:
 
     def subtract_restricted_product(self, displacements: Float, loads: Float) -> None:
         """Subtract Z^T A displacements, without the contacts outside the pattern, from `loads`."""
-        _subtract_product(self._indptr, self._nodes, self._rank, self._product, displacements, loads)
-
-
-@kernel(types.void(I32_1, I32_1, I32_1, F64_3, BOOL_1, F64_2, OUT_F64_3))
-def _multiply_motions(
-    indptr: Int, indices: Int, slots: Int, blocks: Float, pinned: Bool, offsets: Float, product: Float
-) -> None:
-    for i in range(pinned.shape[0]):
-        for k in range(unsigned(indptr[i]), unsigned(indptr[i + 1])):
-            j = unsigned(indices[k])
-            if pinned[i] or pinned[j]:
-                continue
-            s = unsigned(slots[k])
-            d0 = offsets[j, 0]
-            d1 = offsets[j, 1]
-            d2 = offsets[j, 2]
-            for r in range(3):
-                b0 = blocks[k, r, 0]
-                b1 = blocks[k, r, 1]
-                b2 = blocks[k, r, 2]
-                product[s, r, 0] += b0
-                product[s, r, 1] += b1
-                product[s, r, 2] += b2
-                product[s, r, 3] += d1 * b2 - d2 * b1
-                product[s, r, 4] += d2 * b0 - d0 * b2
-                product[s, r, 5] += d0 * b1 - d1 * b0
-
-
-@kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, I32_1, BOOL_1, F64_2, OUT_F64_3))
-def _multiply_motions_outer(
-    slots: Int,
-    indptr: Int,
-    indices: Int,
-    values: Float,
-    scale: float,
-    nodes: Int,
-    pinned: Bool,
-    offsets: Float,
-    product: Float,
-) -> None:
-    for t in range(slots.shape[0]):
-        block = product[unsigned(slots[t])]
-        if pinned[nodes[unsigned(slots[t])]]:
-            continue
-        move0, move1, move2 = block[0, 0], block[1, 1], block[2, 2]
-        turn10, turn20 = block[1, 3], block[2, 3]
-        turn01, turn21 = block[0, 4], block[2, 4]
-        turn02, turn12 = block[0, 5], block[1, 5]
-        for k in range(unsigned(indptr[t]), unsigned(indptr[t + 1])):
-            j = unsigned(indices[k])
-            if pinned[j]:
-                continue
-            value = scale * values[k]
-            d0 = value * offsets[j, 0]
-            d1 = value * offsets[j, 1]
-            d2 = value * offsets[j, 2]
-            move0 += value
-            move1 += value
-            move2 += value
-            turn10 -= d2
-            turn20 += d1
-            turn01 += d2
-            turn21 -= d0
-            turn02 -= d1
-            turn12 += d0
-        block[0, 0], block[1, 1], block[2, 2] = move0, move1, move2
-        block[1, 3], block[2, 3] = turn10, turn20
-        block[0, 4], block[2, 4] = turn01, turn21
-        block[0, 5], block[1, 5] = turn02, turn12
+        subtract_product(self._indptr, self._nodes, self._rank, self._product, displacements, loads)
 
 
 @kernel(types.void(I32_1, I32_1, I32_1, I32_1, BOOL_1, F64_2, F64_3, OUT_F64_2))
@@ -340,34 +284,3 @@ def _assemble_coarse_contacts(
                                 + motion[m, 1, r] * force[1, c]
                                 + motion[m, 2, r] * force[2, c]
                             )
-
-
-@packed_kernel(types.void(I32_1, I32_1, I32_1, F64_3, F64_2, OUT_F64_1))
-def _subtract_product(
-    indptr: Int, nodes: Int, rank: Int, product: Float, displacements: Float, loads: Float
-) -> None:
-    for g in range(rank.shape[0]):
-        load = loads[6 * rank[g] :]
-        s0 = load[0]
-        s1 = load[1]
-        s2 = load[2]
-        s3 = load[3]
-        s4 = load[4]
-        s5 = load[5]
-        for k in range(unsigned(indptr[g]), unsigned(indptr[g + 1])):
-            i = unsigned(nodes[k])
-            x0 = displacements[i, 0]
-            x1 = displacements[i, 1]
-            x2 = displacements[i, 2]
-            s0 -= product[k, 0, 0] * x0 + product[k, 1, 0] * x1 + product[k, 2, 0] * x2
-            s1 -= product[k, 0, 1] * x0 + product[k, 1, 1] * x1 + product[k, 2, 1] * x2
-            s2 -= product[k, 0, 2] * x0 + product[k, 1, 2] * x1 + product[k, 2, 2] * x2
-            s3 -= product[k, 0, 3] * x0 + product[k, 1, 3] * x1 + product[k, 2, 3] * x2
-            s4 -= product[k, 0, 4] * x0 + product[k, 1, 4] * x1 + product[k, 2, 4] * x2
-            s5 -= product[k, 0, 5] * x0 + product[k, 1, 5] * x1 + product[k, 2, 5] * x2
-        load[0] = s0
-        load[1] = s1
-        load[2] = s2
-        load[3] = s3
-        load[4] = s4
-        load[5] = s5

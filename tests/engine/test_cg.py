@@ -8,7 +8,8 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
-from toile.engine.assembly import BlockPattern, scatter_hessians, to_dense
+from toile.engine.assembly import scatter_hessians
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.cg import solve
 from toile.engine.linear_system import ContactStencils, LinearSystem
 from toile.engine.preconditioner.aggregates import aggregate_nodes
@@ -73,7 +74,7 @@ class StiffCloth:
 
     def matrix(self) -> Float:
         """Dense twin of A, restricted to free nodes with the identity at pins."""
-        total = to_dense(self.pattern.indptr, self.pattern.indices, self.element_blocks)
+        total = self.pattern.to_dense(self.element_blocks)
         total += np.kron(0.05 * self.bending.toarray() + np.diag(self.node_diagonal), np.eye(3))
         for nodes, weights, stiffness in zip(*self.contacts, strict=True):
             used = nodes >= 0
@@ -186,8 +187,8 @@ def test_zero_right_hand_side_gives_zero(cloth: StiffCloth, preconditioner: Prec
 def test_indefinite_matrix_is_an_error(cloth: StiffCloth) -> None:
     system = LinearSystem(cloth.pattern)
     blocks = cloth.pattern.zeros()
-    blocks[cloth.pattern.diagonal] = np.eye(3)
-    blocks[cloth.pattern.diagonal[7]] = -np.eye(3)
+    blocks[cloth.pattern.rank] = np.eye(3)
+    blocks[cloth.pattern.rank[7]] = -np.eye(3)
     system.update(blocks, np.zeros(cloth.pattern.node_count))
     good = BlockJacobi()
     good.update(cloth.system, cloth.positions)
@@ -221,7 +222,7 @@ def test_a_sweep_knows_all_contacts() -> None:
     dense = cloth.matrix()
     free = np.repeat(~cloth.pinned, 3)
     dense -= np.where(free[:, None] & free, np.kron(0.05 * cloth.bending.toarray(), np.eye(3)), 0.0)
-    rows = (3 * smoother.order[:, None] + np.arange(3)).ravel()
+    rows = (3 * cloth.pattern.order[:, None] + np.arange(3)).ravel()
     swept = dense[np.ix_(rows, rows)].reshape(120, 3, 120, 3)
     node = np.arange(120)
     diagonal = np.where((node[:, None] == node)[:, None, :, None], swept, 0.0).reshape(360, 360)
@@ -273,7 +274,7 @@ def test_groups_are_connected_and_of_bounded_size(cloth: StiffCloth) -> None:
     assert sizes.min() >= 1
     assert sizes.max() <= 60
     assert 500 / 20 * 0.7 < len(sizes) < 500 / 20 * 2.5
-    graph = csr_array((np.ones(pattern.slot_count), pattern.indices, pattern.indptr), shape=(500, 500))
+    graph = csr_array((np.ones(len(pattern.indices)), pattern.indices, pattern.indptr), shape=(500, 500))
     for g in range(len(sizes)):
         nodes = np.flatnonzero(group == g)
         assert connected_components(graph[nodes][:, nodes])[0] == 1

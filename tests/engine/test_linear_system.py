@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from toile.engine.assembly import BlockPattern, node_pairs, scatter_gradients, scatter_hessians, to_dense
+from toile.engine.assembly import node_pairs, scatter_gradients, scatter_hessians
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.linear_system import ContactStencils, LinearSystem
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -106,7 +107,7 @@ def random_contacts(rng: np.random.Generator, count: int, triangles: Int, number
 
 def test_assembly_equals_dense_twin() -> None:
     problem = Problem()
-    dense = to_dense(problem.pattern.indptr, problem.pattern.indices, problem.element_blocks)
+    dense = problem.pattern.to_dense(problem.element_blocks)
     np.testing.assert_allclose(dense, problem.element_dense, atol=1e-12)
 
 
@@ -126,12 +127,31 @@ def test_pattern_has_seven_blocks_inside_a_grid_and_sorted_rows() -> None:
     row = pattern.indices[pattern.indptr[15] : pattern.indptr[16]]
     assert len(row) == 7
     assert (np.diff(row) > 0).all()
-    assert (pattern.indices[pattern.diagonal] == np.arange(42)).all()
+    assert pattern.slot_count == (len(pattern.indices) + 42) // 2
+    for o in range(42):
+        row = pattern.lower_ranks[pattern.lower_indptr[o] : pattern.lower_indptr[o + 1]]
+        assert (np.diff(row) > 0).all()
+        assert (row < o).all()
 
 
 def test_pattern_rejects_foreign_nodes() -> None:
     with pytest.raises(ValueError, match=r"outside 0\.\.3"):
         BlockPattern(4, [np.array([[0, 1, 4]], np.int32)])
+
+
+def test_pattern_rejects_a_node_that_a_stencil_holds_twice() -> None:
+    with pytest.raises(ValueError, match="same node twice"):
+        BlockPattern(4, [np.array([[0, 1, 1]], np.int32)])
+
+
+def test_lent_blocks_outlive_an_update() -> None:
+    """What a preconditioner reads stays while the matrix gets new numbers, any number of times."""
+    problem = Problem()
+    lent = problem.system.lend_blocks()
+    before = lent.copy()
+    for factor in (2.0, 3.0):
+        problem.system.update(factor * problem.element_blocks, problem.diagonal)
+        np.testing.assert_array_equal(lent, before)
 
 
 @pytest.mark.parametrize("pins", [False, True])
@@ -152,17 +172,28 @@ def test_sums_made_at_once_are_those_made_one_by_one() -> None:
     x = np.random.default_rng(1).normal(size=(problem.count, 3))
     product = np.empty_like(x)
     system.apply(x, product)
-    for i in range(problem.count):
-        outer = [0.0, 0.0, 0.0]
-        for k in range(system.outer_indptr[i], system.outer_indptr[i + 1]):
+    pattern, scale = system.pattern, problem.scale
+    outer = [[0.0, 0.0, 0.0] for _ in range(problem.count)]
+    for o, i in enumerate(pattern.order):
+        sums = [0.0, 0.0, 0.0]
+        for k in range(system.outer_indptr[o], system.outer_indptr[o + 1]):
+            j, value = system.outer_nodes[k], system.outer_values[k]
             for axis in range(3):
-                outer[axis] += system.outer_values[k] * x[system.outer_indices[k], axis]
-        row = [problem.scale * value for value in outer]
-        for k in range(system.pattern.indptr[i], system.pattern.indptr[i + 1]):
-            block, other = system.blocks[k], x[system.pattern.indices[k]]
-            for axis in range(3):
-                row[axis] += block[axis, 0] * other[0] + block[axis, 1] * other[1] + block[axis, 2] * other[2]
-        assert product[i].tolist() == row
+                sums[axis] += value * x[j, axis]
+                outer[j][axis] += value * (scale * x[i, axis])
+        outer[i] = [scale * total for total in sums]
+    expected = [[0.0, 0.0, 0.0] for _ in range(problem.count)]
+    for o, i in enumerate(pattern.order):
+        own, below = system.blocks[o], [0.0, 0.0, 0.0]
+        for k in range(pattern.lower_indptr[o], pattern.lower_indptr[o + 1]):
+            block, j = pattern.lower(system.blocks)[k], pattern.lower_nodes[k]
+            for r in range(3):
+                below[r] += block[r, 0] * x[j, 0] + block[r, 1] * x[j, 1] + block[r, 2] * x[j, 2]
+                expected[j][r] += block[0, r] * x[i, 0] + block[1, r] * x[i, 1] + block[2, r] * x[i, 2]
+        for r in range(3):
+            along = own[r, 0] * x[i, 0] + own[r, 1] * x[i, 1] + own[r, 2] * x[i, 2]
+            expected[i][r] = outer[i][r] + along + below[r]
+    assert product.tolist() == expected
 
 
 def test_diagonal_blocks_equal_dense_twin() -> None:

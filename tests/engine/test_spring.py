@@ -7,7 +7,8 @@ import pytest
 
 from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.dress.fabrics import fabric
-from toile.engine.assembly import BlockPattern, scatter_gradients, scatter_hessians, to_dense
+from toile.engine.assembly import scatter_gradients, scatter_hessians
+from toile.engine.block_pattern import BlockPattern
 from toile.engine.forces.gusts import Gusts
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
@@ -37,7 +38,7 @@ def dense_hessian(springs: Springs, x: Float) -> Float:
     blocks = pattern.zeros()
     springs.evaluate(x)
     scatter_hessians(pattern.slots[0], springs.element_hessian, blocks)
-    return to_dense(pattern.indptr, pattern.indices, blocks)
+    return pattern.to_dense(blocks)
 
 
 def by_differences(springs: Springs, x: Float) -> tuple[Float, Float]:
@@ -104,7 +105,7 @@ def test_membrane_damping_is_the_rate_of_the_conditions_and_vanishes_in_rigid_mo
     pattern = BlockPattern(3, [faces])
     blocks = pattern.zeros()
     scatter_hessians(pattern.slots[0], damping.element_damping, blocks)
-    matrix = to_dense(pattern.indptr, pattern.indices, blocks)
+    matrix = pattern.to_dense(blocks)
     assert matrix @ rigid_velocity(x).ravel() == pytest.approx(np.zeros(9), abs=1e-12)
 
     def conditions(at: Float) -> Float:

@@ -1,0 +1,172 @@
+"""Where the 3x3 blocks of a symmetric matrix lie: its diagonal, and one triangle of it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import types
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from toile.engine.assembly import node_pairs
+from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_2, F64_3, I32_1, OUT_F64_2, kernel, unsigned
+
+
+class BlockPattern:
+    """Sparsity of a symmetric matrix of 3x3 blocks, one block row per node.
+
+    Two nodes are coupled when an element of any of the `stencils` holds both; every diagonal block
+    exists. One triangle is stored: a product is bound by the memory it reads, and Gauss-Seidel sweeps
+    read the very same numbers. Nodes are ranked in reverse Cuthill-McKee order; a block belongs to the row
+    of the node with the higher rank. The first blocks are the diagonal, by rank; the lower triangle follows.
+
+    Attributes
+    ----------
+    order : nodes by rank, shape (node_count,).
+    rank : rank of each node, shape (node_count,). It is the slot of the node's diagonal block as well.
+    lower_indptr : the row of rank o owns blocks lower_indptr[o] to lower_indptr[o + 1] of the lower
+        triangle, shape (node_count + 1,).
+    lower_ranks : block column of each, as a rank, ascending within a row, shape (slot_count - node_count,).
+    lower_nodes : the same as nodes.
+    slots : per stencil array (E, k), the slots of the blocks in the order of `node_pairs(k)`, shape
+        (E, k(k + 1) / 2); ~slot where the block is stored transposed.
+    indptr, indices : neighbours of each node, itself among them, ascending (CSR of both triangles).
+    entries : slot of each of them, ~slot where it is stored transposed, shape like `indices`.
+    """
+
+    def __init__(self, node_count: int, stencils: Sequence[Int]) -> None:
+        own = np.arange(node_count, dtype=np.int64)
+        keys = [own * (node_count + 1)]
+        for stencil in stencils:
+            nodes = stencil.astype(np.int64)
+            if nodes.size and (nodes.min() < 0 or nodes.max() >= node_count):
+                raise ValueError(f"stencils refer to nodes outside 0..{node_count - 1}")
+            for a, b in node_pairs(stencil.shape[1])[stencil.shape[1] :]:
+                if (nodes[:, a] == nodes[:, b]).any():
+                    raise ValueError("a stencil holds the same node twice")
+                keys += [nodes[:, a] * node_count + nodes[:, b], nodes[:, b] * node_count + nodes[:, a]]
+        unique = np.unique(np.concatenate(keys))
+        self.node_count = node_count
+        rows = unique // node_count
+        self.indices: Int = (unique % node_count).astype(np.int32)
+        self.indptr: Int = np.searchsorted(rows, np.arange(node_count + 1)).astype(np.int32)
+        graph = csr_array((np.ones(len(unique)), self.indices, self.indptr), shape=(node_count, node_count))
+        self.order: Int = np.ascontiguousarray(
+            reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int32
+        )
+        self.rank: Int = np.empty(node_count, np.int32)
+        self.rank[self.order] = np.arange(node_count, dtype=np.int32)
+        row_ranks, column_ranks = self.rank[rows], self.rank[self.indices]
+        lower = np.flatnonzero(column_ranks < row_ranks)
+        lower = lower[np.lexsort((column_ranks[lower], row_ranks[lower]))]
+        self.lower_indptr: Int = np.searchsorted(row_ranks[lower], np.arange(node_count + 1)).astype(np.int32)
+        self.lower_ranks: Int = column_ranks[lower]
+        self.lower_nodes: Int = self.order[self.lower_ranks]
+        # Sorted by column first, the entries are those of the transposed matrix in its order.
+        transposed = np.lexsort((rows, self.indices))
+        slots = np.arange(node_count, node_count + len(lower), dtype=np.int32)
+        self.entries: Int = np.empty(len(unique), np.int32)
+        self.entries[row_ranks == column_ranks] = self.rank
+        self.entries[lower] = slots
+        self.entries[transposed[lower]] = ~slots
+        self.slots: list[Int] = []
+        for stencil in stencils:
+            nodes = stencil.astype(np.int64)
+            pairs = [nodes[:, a] * node_count + nodes[:, b] for a, b in node_pairs(stencil.shape[1])]
+            at = np.searchsorted(unique, np.stack(pairs, axis=1))
+            self.slots.append(np.ascontiguousarray(self.entries[at]))
+
+    @property
+    def slot_count(self) -> int:
+        """Number of stored blocks."""
+        return self.node_count + len(self.lower_ranks)
+
+    def zeros(self) -> Float:
+        """Return zero blocks for this pattern, shape (slot_count, 3, 3)."""
+        return np.zeros((self.slot_count, 3, 3))
+
+    def diagonal(self, blocks: Float) -> Float:
+        """Return the diagonal blocks by rank, a view, shape (node_count, 3, 3)."""
+        return blocks[: self.node_count]
+
+    def lower(self, blocks: Float) -> Float:
+        """Return the blocks below the diagonal, a view, shape (slot_count - node_count, 3, 3)."""
+        return blocks[self.node_count :]
+
+    def multiply(self, blocks: Float, x: Float, start: Float, product: Float) -> float:
+        """Write start + B x into `product`, shape (node_count, 3), and return its product with x.
+
+        `start` has shape (node_count, 4), of which the last column has no meaning.
+        """
+        total: float = _multiply(
+            self.order,
+            self.lower_indptr,
+            self.lower_nodes,
+            self.diagonal(blocks),
+            self.lower(blocks),
+            x,
+            start,
+            product,
+        )
+        return total
+
+    def to_dense(self, blocks: Float) -> Float:
+        """Return the matrix as a dense array, shape (3 node_count, 3 node_count). For tests, tiny systems."""
+        dense = np.zeros((self.node_count, 3, self.node_count, 3))
+        rows = np.repeat(np.arange(self.node_count), np.diff(self.indptr))
+        as_stored = self.entries >= 0
+        dense[rows[as_stored], :, self.indices[as_stored], :] = blocks[self.entries[as_stored]]
+        turned = blocks[~self.entries[~as_stored]].transpose(0, 2, 1)
+        dense[rows[~as_stored], :, self.indices[~as_stored], :] = turned
+        return dense.reshape(3 * self.node_count, 3 * self.node_count)
+
+
+@kernel(types.float64(I32_1, I32_1, I32_1, F64_3, F64_3, F64_2, F64_2, OUT_F64_2))
+def _multiply(
+    order: Int,
+    indptr: Int,
+    nodes: Int,
+    diagonal: Float,
+    lower: Float,
+    x: Float,
+    start: Float,
+    product: Float,
+) -> float:
+    total = 0.0
+    for o in range(order.shape[0]):
+        i = unsigned(order[o])
+        u0 = x[i, 0]
+        u1 = x[i, 1]
+        u2 = x[i, 2]
+        y0 = start[i, 0] + (diagonal[o, 0, 0] * u0 + diagonal[o, 0, 1] * u1 + diagonal[o, 0, 2] * u2)
+        y1 = start[i, 1] + (diagonal[o, 1, 0] * u0 + diagonal[o, 1, 1] * u1 + diagonal[o, 1, 2] * u2)
+        y2 = start[i, 2] + (diagonal[o, 2, 0] * u0 + diagonal[o, 2, 1] * u1 + diagonal[o, 2, 2] * u2)
+        # What the row below the diagonal gives: counted twice in the total, for the column above it.
+        z0 = 0.0
+        z1 = 0.0
+        z2 = 0.0
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
+            j = unsigned(nodes[k])
+            x0 = x[j, 0]
+            x1 = x[j, 1]
+            x2 = x[j, 2]
+            b00 = lower[k, 0, 0]
+            b01 = lower[k, 0, 1]
+            b02 = lower[k, 0, 2]
+            b10 = lower[k, 1, 0]
+            b11 = lower[k, 1, 1]
+            b12 = lower[k, 1, 2]
+            b20 = lower[k, 2, 0]
+            b21 = lower[k, 2, 1]
+            b22 = lower[k, 2, 2]
+            z0 += b00 * x0 + b01 * x1 + b02 * x2
+            z1 += b10 * x0 + b11 * x1 + b12 * x2
+            z2 += b20 * x0 + b21 * x1 + b22 * x2
+            product[j, 0] += b00 * u0 + b10 * u1 + b20 * u2
+            product[j, 1] += b01 * u0 + b11 * u1 + b21 * u2
+            product[j, 2] += b02 * u0 + b12 * u1 + b22 * u2
+        product[i, 0] = y0 + z0
+        product[i, 1] = y1 + z1
+        product[i, 2] = y2 + z2
+        total += u0 * (y0 + 2.0 * z0) + u1 * (y1 + 2.0 * z1) + u2 * (y2 + 2.0 * z2)
+    return total
