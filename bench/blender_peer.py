@@ -1,6 +1,6 @@
 """Blender's cloth and toile on one mesh with one fabric: error against CPU time, as in `toile bench`.
 
-python bench/blender_peer.py --blender-python PATH [--side N] [--out DIR]
+python bench/blender_peer.py --blender-python PATH [--side N] [--scene NAME ...] --out DIR
 
 PATH is a Python that can `import bpy`: see blender_cloth.py. Writes a report as `toile bench --out DIR` does,
 with a chart for `hang` and one for `sphere`, the sheet in a vacuum for one second. Reference: toile on a mesh
@@ -116,17 +116,21 @@ def main() -> None:
     )
     parser.add_argument("--blender-python", type=Path, required=True, metavar="PATH")
     parser.add_argument("--side", type=int, default=50, metavar="N", help="vertices along a side")
+    parser.add_argument("--scene", nargs="+", choices=tuple(NEWTON), default=list(NEWTON))
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     options = parser.parse_args()
     folder = writable_folder(options.out)
     load_kernels(DRAPE_KERNELS)
     charts, said = [], versions()
-    for name in NEWTON:
+    for name in options.scene:
         chart, theirs = peers(options.blender_python, name, options.side)
         charts.append(chart)
         said |= theirs
         report = Report(quick=False, machine=machine(), versions=said, charts=tuple(charts))
-        command = f"python bench/blender_peer.py --blender-python PATH --side {options.side}"
+        command = (
+            f"python bench/blender_peer.py --blender-python PATH --side {options.side} "
+            f"--scene {' '.join(options.scene)}"
+        )
         write_pages(folder, report, command)
 
 
