@@ -35,46 +35,50 @@ class BlockPattern:
     """
 
     def __init__(self, node_count: int, stencils: Sequence[Int]) -> None:
-        own = np.arange(node_count, dtype=np.int64)
-        keys = [own * (node_count + 1)]
+        keys = [np.empty(0, np.int64)]
         for stencil in stencils:
             nodes = stencil.astype(np.int64)
             if nodes.size and (nodes.min() < 0 or nodes.max() >= node_count):
                 raise ValueError(f"stencils refer to nodes outside 0..{node_count - 1}")
-            for a, b in node_pairs(stencil.shape[1])[stencil.shape[1] :]:
+            for a, b in _off_diagonal(stencil):
                 if (nodes[:, a] == nodes[:, b]).any():
                     raise ValueError("a stencil holds the same node twice")
-                keys += [nodes[:, a] * node_count + nodes[:, b], nodes[:, b] * node_count + nodes[:, a]]
-        unique = np.unique(np.concatenate(keys))
+                first, last = np.minimum(nodes[:, a], nodes[:, b]), np.maximum(nodes[:, a], nodes[:, b])
+                keys.append(first * node_count + last)
+        unique, inverse = np.unique(np.concatenate(keys), return_inverse=True)
+        first, last, own = unique // node_count, unique % node_count, np.arange(node_count)
+        both = np.concatenate([own, first, last]), np.concatenate([own, last, first])
+        graph = csr_array((np.arange(len(both[0])), both), shape=(node_count, node_count))
+        graph.sort_indices()
         self.node_count = node_count
-        rows = unique // node_count
-        self.indices: Int = (unique % node_count).astype(np.int32)
-        self.indptr: Int = np.searchsorted(rows, np.arange(node_count + 1)).astype(np.int32)
-        graph = csr_array((np.ones(len(unique)), self.indices, self.indptr), shape=(node_count, node_count))
+        self.indptr: Int = graph.indptr.astype(np.int32)
+        self.indices: Int = graph.indices.astype(np.int32)
         self.order: Int = np.ascontiguousarray(
             reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int32
         )
         self.rank: Int = np.empty(node_count, np.int32)
         self.rank[self.order] = np.arange(node_count, dtype=np.int32)
-        row_ranks, column_ranks = self.rank[rows], self.rank[self.indices]
-        lower = np.flatnonzero(column_ranks < row_ranks)
-        lower = lower[np.lexsort((column_ranks[lower], row_ranks[lower]))]
-        self.lower_indptr: Int = np.searchsorted(row_ranks[lower], np.arange(node_count + 1)).astype(np.int32)
-        self.lower_ranks: Int = column_ranks[lower]
+        ranks = self.rank[first], self.rank[last]
+        rows, columns = np.maximum(*ranks), np.minimum(*ranks)
+        by_row = np.argsort(rows.astype(np.int64) * node_count + columns)
+        self.lower_indptr: Int = np.append(0, np.cumsum(np.bincount(rows, minlength=node_count))).astype(
+            np.int32
+        )
+        self.lower_ranks: Int = columns[by_row]
         self.lower_nodes: Int = self.order[self.lower_ranks]
-        # Sorted by column first, the entries are those of the transposed matrix in its order.
-        transposed = np.lexsort((rows, self.indices))
-        slots = np.arange(node_count, node_count + len(lower), dtype=np.int32)
-        self.entries: Int = np.empty(len(unique), np.int32)
-        self.entries[row_ranks == column_ranks] = self.rank
-        self.entries[lower] = slots
-        self.entries[transposed[lower]] = ~slots
+        slots = np.empty(len(unique), np.int32)
+        slots[by_row] = np.arange(node_count, node_count + len(unique), dtype=np.int32)
+        forwards = np.where(ranks[0] > ranks[1], slots, ~slots)
+        self.entries: Int = np.concatenate([self.rank, forwards, ~forwards])[graph.data]
         self.slots: list[Int] = []
+        begin = 0
         for stencil in stencils:
-            nodes = stencil.astype(np.int64)
-            pairs = [nodes[:, a] * node_count + nodes[:, b] for a, b in node_pairs(stencil.shape[1])]
-            at = np.searchsorted(unique, np.stack(pairs, axis=1))
-            self.slots.append(np.ascontiguousarray(self.entries[at]))
+            found = [self.rank[stencil[:, a]] for a in range(stencil.shape[1])]
+            for a, b in _off_diagonal(stencil):
+                pair = forwards[inverse[begin : begin + len(stencil)]]
+                found.append(np.where(stencil[:, a] < stencil[:, b], pair, ~pair))
+                begin += len(stencil)
+            self.slots.append(np.stack(found, axis=1))
 
     @property
     def slot_count(self) -> int:
@@ -119,6 +123,11 @@ class BlockPattern:
         turned = blocks[~self.entries[~as_stored]].transpose(0, 2, 1)
         dense[rows[~as_stored], :, self.indices[~as_stored], :] = turned
         return dense.reshape(3 * self.node_count, 3 * self.node_count)
+
+
+def _off_diagonal(stencil: Int) -> tuple[tuple[int, int], ...]:
+    """Return the pairs of different corners, in the order of `node_pairs`."""
+    return node_pairs(stencil.shape[1])[stencil.shape[1] :]
 
 
 @kernel(types.float64(I32_1, I32_1, I32_1, F64_3, F64_3, F64_2, F64_2, OUT_F64_2))
