@@ -291,9 +291,14 @@ def load_scene_avatar(scene: Scene) -> Avatar:
         return load_avatar(file.path, units=file.units, up=file.up)
     if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):
         raise InputError(f"avatar must be an Avatar, a file or a mannequin size, got {scene.avatar!r}")
+    sizes = scene.avatar.given() if scene.avatar is not None else {}
+    if not sizes:
+        from toile.dress.stored_mannequin import stored_mannequin
+
+        return stored_mannequin()
     from toile.dress.mannequin import mannequin
 
-    return mannequin(**(scene.avatar.given() if scene.avatar is not None else {}))
+    return mannequin(**sizes)
 
 
 def _fabric_of(scene: Scene, wanted: str | Fabric | None) -> Fabric:
