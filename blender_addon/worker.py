@@ -98,7 +98,8 @@ def _draft(folder: Path) -> None:
     import numpy as np
 
     from toile.dress.dress import SEWING_COARSENESS, load_scene_avatar
-    from toile.dress.garment_source import DressForm, check_source, default_name, load_garment
+    from toile.dress.dress_form import DressForm
+    from toile.dress.garment_source import check_source, default_name, load_garment
     from toile.dress.quality import quality_preset
     from toile.dress.scene_file import load_scene
 

@@ -47,13 +47,12 @@ def cut(vertices: Float, faces: Int, point: Float, normal: Float) -> list[Sectio
     Outlines are told apart by the mesh's connectivity, so two thighs that touch are still two.
     """
     height = (vertices - point) @ normal
-    above = height >= 0.0
-    count = above[faces].sum(axis=1)
-    crossed = faces[(count == 1) | (count == 2)]
+    above = (height >= 0.0)[faces]
+    crossed = faces[(above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2])]
     if not len(crossed):
         return []
     start, end = crossed, crossed[:, [1, 2, 0]]
-    cuts = above[start] != above[end]
+    cuts = (height[start] >= 0.0) != (height[end] >= 0.0)
     low, high = np.minimum(start, end)[cuts], np.maximum(start, end)[cuts]
     key = low.astype(np.int64) * len(vertices) + high
     # Every crossed face has exactly two crossed edges, next to each other in this list.

@@ -296,7 +296,7 @@ def _run_patterns(options: argparse.Namespace) -> int:
         print("\n".join(built_in_names()))
         return DONE
     from toile.dress.dress import load_scene_avatar
-    from toile.dress.garment_source import DressForm
+    from toile.dress.dress_form import DressForm
     from toile.dress.garmentcode_write import write_garmentcode
     from toile.dress.scene import AvatarFile, Garment, Scene
     from toile.dress.writers.atomic import writable_folder

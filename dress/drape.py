@@ -10,7 +10,6 @@ import numpy as np
 from toile.collide.shrunken import shrunken
 from toile.dress.arms import drawn_in_arms
 from toile.dress.assemble_cloth import assemble_cloth, pin_motion
-from toile.dress.avatar import Avatar
 from toile.dress.drape_types import (
     DrapedGarment,
     DrapeFigures,
@@ -21,10 +20,10 @@ from toile.dress.drape_types import (
     Status,
     in_all,
 )
+from toile.dress.dress_form import DressForm
 from toile.dress.fault import faces_at_fault, place_of
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.layer_order import flared_outside
-from toile.dress.measure import measured
 from toile.dress.start_repair import clear_panels, lift_over_shoulders
 from toile.dress.worn import Worn, worn_together
 from toile.engine.cloth import Cloth
@@ -34,6 +33,7 @@ from toile.engine.drape_plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.step_request import StepOptions
+from toile.geometry.errors import InputError
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -53,12 +53,12 @@ PEAK_OVER_RMS = 10.0
 
 
 def drape(
-    avatar: Avatar,
+    form: DressForm,
     garments: list[tuple[GarmentMesh, Fabric]],
     options: DrapeOptions,
     on_frame: Callable[[FrameState], bool],
 ) -> DrapeOutcome:
-    """Drape garments on a still avatar.
+    """Drape garments on a still body.
 
     Several patterns are put on one after the other, from the body outwards, each over those worn already; at
     last they hang together. Garments that are 3-D meshes all start where they are. `on_frame` is called after
@@ -73,16 +73,16 @@ def drape(
     layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
     reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
     if not layered:
-        return _put_on(avatar, garments, options, reel, [])
+        return _put_on(form, garments, options, reel, [])
     parts: list[DrapeOutcome] = []
     for index, garment in enumerate(garments):
         own = replace(options, pins=options.pins[index : index + 1])
-        parts.append(_put_on(avatar, [garment], own, reel, [part.cloth for part in parts]))
+        parts.append(_put_on(form, [garment], own, reel, [part.cloth for part in parts]))
         if parts[-1].gave_up or parts[-1].status == "cancelled":
             break
     worn = garments[: len(parts)]
     run = Drape(
-        worn_together([part.cloth for part in parts]), (avatar.vertices, avatar.faces), [],
+        worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
         _plan(options, [fabric for _, fabric in worn]), reel.show,
     )  # fmt: skip
     failure = next((part.failure for part in parts if part.failure is not None), None)
@@ -119,15 +119,16 @@ class _Reel:
 
 
 def _put_on(
-    avatar: Avatar, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: _Reel,
+    form: DressForm, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: _Reel,
     worn: list[Cloth],
 ) -> DrapeOutcome:  # fmt: skip
-    """Sew garments on the avatar, over what is worn, and let them settle."""
+    """Sew garments on the body, over what is worn, and let them settle."""
+    avatar = form.avatar
     clothed = Worn(avatar.vertices, avatar.faces, worn)
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
     notes: list[str] = []
     shapes = [(avatar.vertices, GROWTH_PER_STEP)]
-    body = measured(avatar)
+    body = None if isinstance(form.measured, InputError) else form.measured
     drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
     if drawn is not None:
         shapes.insert(0, (thin, ARMS_PER_STEP))

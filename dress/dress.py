@@ -11,9 +11,10 @@ from toile.dress.animated_avatar import is_animated, load_animated_avatar
 from toile.dress.avatar import Avatar, load_avatar
 from toile.dress.checkpoint import Checkpoint, Hung
 from toile.dress.drape_types import DrapedGarment, DrapeOptions, FrameState
+from toile.dress.dress_form import DressForm
 from toile.dress.fabrics import DEFAULT_FABRIC, checked_fabric, fabrics
 from toile.dress.garment_mesh import GarmentMesh
-from toile.dress.garment_source import DressForm, check_source, default_name, load_garment, pinned_vertices
+from toile.dress.garment_source import check_source, default_name, load_garment, pinned_vertices
 from toile.dress.kernels import (
     DRAPE_KERNELS,
     PANEL_KERNELS,
@@ -193,7 +194,7 @@ def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None
         if checkpoint is not None and edge_length == edge_lengths[0]:
             # Not before all is read: a slip of the pen must not wipe out a run that can be taken up.
             checkpoint.begin(scene)
-        outcome = drape(avatar, cloth, options, _frame_callback(progress, options.tolerance))
+        outcome = drape(form, cloth, options, _frame_callback(progress, options.tolerance))
         for stage, seconds in outcome.figures.stage_seconds.items():
             spent[stage] = spent.get(stage, 0.0) + seconds
         if not outcome.gave_up:

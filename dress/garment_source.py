@@ -3,14 +3,13 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from toile.dress.avatar import Avatar
+from toile.dress.dress_form import DressForm
 from toile.dress.garment_mesh import GarmentMesh
-from toile.dress.measurements import Measurements
 from toile.dress.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dress.patterns import built_in, built_in_names
 from toile.dress.scene import Garment
@@ -22,20 +21,6 @@ LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
 LARGEST_PANEL_DISTANCE = 1.5
 """The same for a single panel [m]: wide skirts start with panels 0.6 m away."""
-
-
-class DressForm:
-    """The avatar as garments see it; measured only if a built-in pattern is drafted to it."""
-
-    def __init__(self, avatar: Avatar) -> None:
-        self.avatar = avatar
-
-    @cached_property
-    def measurements(self) -> Measurements:
-        """Measurements of the avatar."""
-        from toile.dress.measure import measure
-
-        return measure(self.avatar)
 
 
 def check_source(garment: Garment) -> None:

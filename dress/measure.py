@@ -115,14 +115,6 @@ def measure(avatar: Avatar) -> Measurements:
     )
 
 
-def measured(avatar: Avatar) -> Measurements | None:
-    """Measure a body; None if it cannot be measured (it sits, say, or holds its arms up)."""
-    try:
-        return measure(avatar)
-    except InputError:
-        return None
-
-
 def _crotch_level(body: _Body) -> float:
     """Height where the legs part [m]. Raises InputError if the body does not stand."""
     levels = body.levels(0.25 * body.height, 0.62 * body.height)

@@ -6,10 +6,12 @@ import pytest
 from tests.dress.test_start_repair import panels
 from toile.dress.arms import STUMP, drawn_in_arms
 from toile.dress.avatar import Avatar
+from toile.dress.dress_form import DressForm
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mannequin import mannequin
-from toile.dress.measure import measure, measured
+from toile.dress.measure import measure
 from toile.geometry.arrays import Float
+from toile.geometry.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -74,5 +76,8 @@ def test_short_sleeves_keep_the_part_of_the_arm_they_cover(body: Avatar) -> None
 
 def test_body_that_cannot_be_measured_keeps_its_arms(body: Avatar) -> None:
     lying = replace(body, vertices=np.ascontiguousarray(body.vertices[:, [0, 2, 1]] * [1.0, 1.0, -1.0]))
-    assert measured(lying) is None
-    assert drawn_in_arms(lying.vertices, measured(lying), [placed(0.6, 0.9, "skirt_front")]) is None
+    form = DressForm(lying)
+    assert isinstance(form.measured, InputError)
+    with pytest.raises(InputError, match="cannot be measured"):
+        _ = form.measurements
+    assert drawn_in_arms(lying.vertices, None, [placed(0.6, 0.9, "skirt_front")]) is None

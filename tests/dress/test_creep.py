@@ -5,6 +5,7 @@ import pytest
 
 from toile.dress.drape import drape
 from toile.dress.drape_types import DrapeOptions
+from toile.dress.dress_form import DressForm
 from toile.dress.fabrics import fabric
 from toile.dress.mannequin import mannequin
 from toile.dress.measure import measure
@@ -27,7 +28,7 @@ def test_a_shirt_does_not_creep_down_a_still_body() -> None:
     options = DrapeOptions(
         edge_length=quality.edge_length, max_frames=quality.max_frames, tolerance=quality.tolerance
     )
-    hung = drape(body, [(mesh, fabric("cotton-poplin"))], options, lambda _: True)
+    hung = drape(DressForm(body), [(mesh, fabric("cotton-poplin"))], options, lambda _: True)
     assert hung.status == "converged"
     places: list[Float] = []
 

@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 from toile.dress.avatar import Avatar
-from toile.dress.garment_source import DressForm, load_garment
+from toile.dress.dress_form import DressForm
+from toile.dress.garment_source import load_garment
 from toile.dress.inside_body import faces_inside
 from toile.dress.mesh_garment import read_mesh_garment
 from toile.dress.scene import Garment

@@ -8,7 +8,8 @@ import pytest
 import trimesh
 
 from toile.dress.dress import dress
-from toile.dress.garment_source import DressForm, load_garment
+from toile.dress.dress_form import DressForm
+from toile.dress.garment_source import load_garment
 from toile.dress.mannequin import mannequin
 from toile.dress.mesh_garment import read_mesh_garment
 from toile.dress.result import DressedGarment

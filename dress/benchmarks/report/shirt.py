@@ -18,8 +18,9 @@ from toile.dress.benchmarks.surface_distance import mean_surface_distance
 from toile.dress.drape import drape
 from toile.dress.drape_types import DrapeOptions, FrameState
 from toile.dress.dress import SEWING_COARSENESS
+from toile.dress.dress_form import DressForm
 from toile.dress.fabrics import DEFAULT_FABRIC, fabric
-from toile.dress.garment_source import DressForm, load_garment
+from toile.dress.garment_source import load_garment
 from toile.dress.mannequin import mannequin
 from toile.dress.quality import QUALITIES, Quality
 from toile.dress.scene import Garment
@@ -90,7 +91,7 @@ class Fitting:
             faces.append(state.faces)
             return True
 
-        outcome = drape(self._avatar, [(mesh, fabric(DEFAULT_FABRIC))], options, count)
+        outcome = drape(DressForm(self._avatar), [(mesh, fabric(DEFAULT_FABRIC))], options, count)
         garment = outcome.garments[0]
         return Dressed(
             garment.positions, garment.faces, float(np.mean(faces)),
