@@ -18,7 +18,14 @@ from toile.dress.writers.atomic import writable_folder, write_atomic
 from toile.dress.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.engine.cloth import Cloth
 from toile.engine.film_integrators import tr_bdf2
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan, FilmState
+from toile.engine.film_plan import (
+    PUSHED_NEWTON,
+    PUSHED_RISE,
+    PUSHED_TOLERANCE,
+    FilmFrame,
+    FilmPlan,
+    FilmState,
+)
 from toile.engine.forces.wind import AirFlow
 from toile.engine.simulate import Simulation
 from toile.engine.step_request import StageClock
@@ -104,7 +111,7 @@ def follow(
     plan = FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=air),
         frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, sizing=sizing,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=sizing,
     )  # fmt: skip
 
     def as_of(cloth: Cloth) -> tuple[DressedGarment, ...]:

@@ -13,7 +13,7 @@ from toile.dress.benchmarks.scenes import BenchmarkScene
 from toile.dress.benchmarks.surface_distance import mean_surface_distance
 from toile.dress.quality import COARSEST
 from toile.engine.film_integrators import FilmIntegrator, backward_euler, tr_bdf2
-from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmPlan
+from toile.engine.film_plan import PUSHED_NEWTON, PUSHED_RISE, PUSHED_TOLERANCE, FilmPlan
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.base import Preconditioner
 from toile.engine.preconditioner.block_jacobi import BlockJacobi
@@ -43,13 +43,16 @@ STIFFNESS = (0.1, 1.0, 10.0)
 def in_steps(count: int, integrator: FilmIntegrator) -> Change:
     """Return what makes a plan's longest step 1/count s; nodes may move as far as it asks for.
 
-    TR-BDF2 takes the iterations that films of garments do: with one it is not stable on fine meshes.
+    TR-BDF2 takes the iterations that films of garments do: with one it is not stable on fine meshes. So it
+    does with how far stretch may rise.
     """
 
     def change(plan: FilmPlan) -> FilmPlan:
         factor = 1.0 / (count * plan.longest_step)
         if integrator is tr_bdf2:
-            plan = replace(plan, newton=PUSHED_NEWTON, newton_tolerance=PUSHED_TOLERANCE)
+            plan = replace(
+                plan, newton=PUSHED_NEWTON, newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE
+            )
         return replace(
             plan, integrator=integrator, longest_step=factor * plan.longest_step,
             shortest_step=min(1.0, factor) * plan.shortest_step, motion_max=factor * plan.motion_max,
