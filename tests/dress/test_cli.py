@@ -68,11 +68,11 @@ def test_outputs(
     assert report["avatar"]["up_axis"] == "z"
     assert report["garments"][0]["fabric"] == "canvas"
     assert report["min_gap_mm"] is None
-    ((avatar, [(mesh, fabric)], asked),) = fake.calls
+    ((form, [(mesh, fabric)], asked),) = fake.calls
     assert fabric.name == "canvas"
     assert asked.max_frames == 9
     assert asked.sizing.size_min == quality_preset("preview").edge_length
-    assert avatar.vertices[:, 1].max() == pytest.approx(1.7, abs=0.01)
+    assert form.avatar.vertices[:, 1].max() == pytest.approx(1.7, abs=0.01)
     # The garment's files are in the avatar file's units and axes, dressed.glb is in metres, Y up.
     written = trimesh.load(out / "shirt.ply", process=False)
     assert written.bounds[:, 2] == pytest.approx([80.0, 120.0])

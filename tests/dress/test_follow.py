@@ -50,7 +50,7 @@ def test_every_frame_is_written_and_none_crosses(whole: Path) -> None:
     animation = report["animation"]
     assert animation["frames"] == FRAMES - 1 and animation["fps"] == 24.0
     assert animation["intersections_max"] == 0 and animation["skin_held_back_mm_max"] < 1.0
-    # Three steps of at most 1/60 s make a frame; where threads that vibrate cut them short it takes a hundred.
+    # Three steps of at most 1/60 s make a frame; where vibrating threads cut them short it takes a hundred.
     assert animation["steps"] <= 10 * (FRAMES - 1)
     assert (whole / "dressed.glb").is_file() and (whole / "preview.png").is_file()
     assert not (whole / ".resume").exists()
