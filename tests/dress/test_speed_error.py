@@ -235,7 +235,9 @@ def test_films_differ_by_what_their_way_says() -> None:
     assert fine.integrator is backward_euler and fine.longest_step == pytest.approx(1.0 / 480.0)
     assert fine.motion_max == pytest.approx(0.25 * plan.motion_max)
     assert BASE(plan).integrator is tr_bdf2
-    assert also(newton=4)(plan).newton == 4
+    # One thing at a time.
+    assert also(newton=2)(plan) == replace(BASE(plan), newton=2)
+    assert also(cg_tolerance=0.1)(plan) == replace(BASE(plan), cg_tolerance=0.1)
 
     study = FilmStudy("hang", hang, 0.1, (0.4,))
     names = [(way.curve, way.label) for way in study.ways(Effort(False, 1, print))]

@@ -184,7 +184,7 @@ def exactly(edge: float, count: int, newton: int | None) -> Way:
     return Way("reference", f"{1e3 * edge:g} mm, TR-BDF2 in steps of 1/{count} s{solved}", edge, change)
 
 
-def also(*, newton: int = 1, cg_tolerance: float = 1e-2) -> Change:
+def also(*, newton: int = PUSHED_NEWTON, cg_tolerance: float = 1e-2) -> Change:
     """Return what makes a plan BASE with other limits of its iterations."""
     return lambda plan: replace(
         BASE(plan), newton=newton, newton_tolerance=PUSHED_TOLERANCE, cg_tolerance=cg_tolerance
