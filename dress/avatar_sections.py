@@ -48,11 +48,12 @@ def cut(vertices: Float, faces: Int, point: Float, normal: Float) -> list[Sectio
     """
     height = (vertices - point) @ normal
     above = (height >= 0.0)[faces]
-    crossed = faces[(above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2])]
+    cuts = above != above[:, [1, 2, 0]]
+    meets = cuts[:, 0] | cuts[:, 1]
+    crossed, cuts = faces[meets], cuts[meets]
     if not len(crossed):
         return []
     start, end = crossed, crossed[:, [1, 2, 0]]
-    cuts = (height[start] >= 0.0) != (height[end] >= 0.0)
     low, high = np.minimum(start, end)[cuts], np.maximum(start, end)[cuts]
     key = low.astype(np.int64) * len(vertices) + high
     # Every crossed face has exactly two crossed edges, next to each other in this list.

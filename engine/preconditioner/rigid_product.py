@@ -24,9 +24,12 @@ from toile.geometry.kernel import (
 
 @helper
 def _add_motions(
-    product: Float, slot: int, row: int, b0: float, b1: float, b2: float, d0: float, d1: float, d2: float
+    product: Float, slot: int, row: int, b0: float, b1: float, b2: float, offsets: Float, node: int
 ) -> None:
-    """Add the product of a block's row with the motions of a node at d."""
+    """Add the product of a block's row with the motions of a node."""
+    d0 = offsets[node, 0]
+    d1 = offsets[node, 1]
+    d2 = offsets[node, 2]
     product[slot, row, 0] += b0
     product[slot, row, 1] += b1
     product[slot, row, 2] += b2
@@ -53,24 +56,18 @@ def multiply_motions(
         i = unsigned(order[o])
         if pinned[i]:
             continue
-        d0 = offsets[i, 0]
-        d1 = offsets[i, 1]
-        d2 = offsets[i, 2]
         s = unsigned(row_slots[o])
         for r in range(3):
-            _add_motions(product, s, r, blocks[o, r, 0], blocks[o, r, 1], blocks[o, r, 2], d0, d1, d2)
+            _add_motions(product, s, r, blocks[o, r, 0], blocks[o, r, 1], blocks[o, r, 2], offsets, i)
         for k in range(count + unsigned(indptr[o]), count + unsigned(indptr[o + 1])):
             j = unsigned(nodes[k - count])
             if pinned[j]:
                 continue
             s = unsigned(row_slots[k])
-            e0 = offsets[j, 0]
-            e1 = offsets[j, 1]
-            e2 = offsets[j, 2]
             t = unsigned(column_slots[k])
             for r in range(3):
-                _add_motions(product, s, r, blocks[k, r, 0], blocks[k, r, 1], blocks[k, r, 2], e0, e1, e2)
-                _add_motions(product, t, r, blocks[k, 0, r], blocks[k, 1, r], blocks[k, 2, r], d0, d1, d2)
+                _add_motions(product, s, r, blocks[k, r, 0], blocks[k, r, 1], blocks[k, r, 2], offsets, j)
+                _add_motions(product, t, r, blocks[k, 0, r], blocks[k, 1, r], blocks[k, 2, r], offsets, i)
 
 
 @kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, I32_1, BOOL_1, F64_2, OUT_F64_3))

@@ -186,9 +186,7 @@ def exactly(edge: float, count: int, newton: int | None) -> Way:
 
 def also(*, newton: int = PUSHED_NEWTON, cg_tolerance: float = 1e-2) -> Change:
     """Return what makes a plan BASE with other limits of its iterations."""
-    return lambda plan: replace(
-        BASE(plan), newton=newton, newton_tolerance=PUSHED_TOLERANCE, cg_tolerance=cg_tolerance
-    )
+    return lambda plan: replace(BASE(plan), newton=newton, cg_tolerance=cg_tolerance)
 
 
 def _pressing(factor: float) -> Change:
