@@ -12,7 +12,17 @@ from toile.collide import bvh
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.collide.search import AvatarSurface
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_BOOL_1, helper, kernel
+from toile.geometry.kernel import (
+    F64_2,
+    I32_1,
+    I32_2,
+    OUT_BOOL_1,
+    OUT_F64_2,
+    OUT_I32_1,
+    OUT_I32_2,
+    helper,
+    kernel,
+)
 
 TOUCH = 1e-6
 """Distance over longest side of the new triangle below which triangles that share a node touch elsewhere."""
@@ -139,12 +149,15 @@ def _pierces(p, weld, i, j, a, b, c, touch):  # type: ignore[no-untyped-def]
     return (ab >= 0.0 and bc >= 0.0 and ca >= 0.0) or (ab <= 0.0 and bc <= 0.0 and ca <= 0.0)
 
 
-@kernel(types.void(F64_2, I32_1, I32_2, I32_2, F64_1, OUT_BOOL_1))
-def _judge_pairs(p, weld, triangles, pairs, gap, meets):  # type: ignore[no-untyped-def]
-    """Write for every pair (new triangle, other triangle) whether the two meet."""
+@kernel(types.void(F64_2, I32_1, I32_2, I32_2, types.int64, types.float64, types.float64, OUT_BOOL_1))
+def _judge_pairs(  # type: ignore[no-untyped-def]
+    p, weld, triangles, pairs, in_cloth, gap_self, gap_body, meets
+):
+    """Write for every pair (new triangle, other triangle) whether they meet; the first `in_cloth` are cloth."""
     for row in range(pairs.shape[0]):
         a = pairs[row, 0]
         b = pairs[row, 1]
+        gap = gap_self if row < in_cloth else gap_body
         longest = 0.0
         for k in range(3):
             longest = max(longest, _squared_distance(p, triangles[a, k], triangles[a, (k + 1) % 3]))
@@ -158,7 +171,7 @@ def _judge_pairs(p, weld, triangles, pairs, gap, meets):  # type: ignore[no-unty
             u, v = triangles[a, (lone_a + 1) % 3], triangles[a, (lone_a + 2) % 3]
             meets[row] = _folded(p, u, v, triangles[a, lone_a], triangles[b, lone_b], touch)
             continue
-        reach = touch if welded > 0 else max(gap[row], touch)
+        reach = touch if welded > 0 else max(gap, touch)
         meet = _too_close(p, weld, triangles, a, b, reach)
         test = 0
         while test < 6 and not meet:
@@ -171,11 +184,51 @@ def _judge_pairs(p, weld, triangles, pairs, gap, meets):  # type: ignore[no-unty
         meets[row] = meet
 
 
-def _boxes(positions: Float, faces: Int) -> Float:
-    """Lower and upper corner of every face [m], shape (t, 6)."""
-    a, b, c = (positions[faces[:, k]] for k in range(3))
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    return np.concatenate([low, high], axis=1)
+@kernel(types.void(I32_2, OUT_BOOL_1))
+def _settle(rivals, clear):  # type: ignore[no-untyped-def]
+    """Give way to clear proposals of lower index; `rivals` (r, 2) are (lower, higher), by the higher."""
+    for row in range(len(rivals)):
+        if clear[rivals[row, 0]]:
+            clear[rivals[row, 1]] = False
+
+
+@kernel(types.void(F64_2, I32_2, types.float64, OUT_F64_2))
+def _grow_boxes(p, triangles, gap, boxes):  # type: ignore[no-untyped-def]
+    """Fill `boxes` (q, 6) of triangles [m], wider by the gap or by what counts as touching."""
+    for q in range(len(triangles)):
+        a, b, c = triangles[q, 0], triangles[q, 1], triangles[q, 2]
+        sides = 0.0
+        for axis in range(3):
+            boxes[q, axis] = min(p[a, axis], p[b, axis], p[c, axis])
+            boxes[q, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis])
+            sides += boxes[q, axis + 3] - boxes[q, axis]
+        grow = max(gap, TOUCH * sides)
+        for axis in range(3):
+            boxes[q, axis] -= grow
+            boxes[q, axis + 3] += grow
+
+
+@kernel(types.int64(I32_2, I32_1, I32_1, I32_1, types.int32, OUT_I32_1, OUT_I32_2))
+def _kept_pairs(pairs, owner, removed, removed_owner, first, link, kept):  # type: ignore[no-untyped-def]
+    """Write pairs (new triangle, face) where the triangle's proposal keeps the face; returns how many.
+
+    Faces are numbered from `first` on. Work space: `link` (t + r,), all -1: of every face the last row of
+    `removed` that has it, of every row the one before with the same face.
+    """
+    faces = len(link) - len(removed)
+    for row in range(len(removed)):
+        link[faces + row] = link[removed[row]]
+        link[removed[row]] = row
+    count = 0
+    for row in range(len(pairs)):
+        q, t = pairs[row, 0], pairs[row, 1]
+        at = link[t]
+        while at >= 0 and removed_owner[at] != owner[q]:
+            at = link[faces + at]
+        if at < 0:
+            kept[count, 0], kept[count, 1] = q, first + t
+            count += 1
+    return count
 
 
 def clear_proposals(
@@ -220,37 +273,38 @@ def clear_proposals(
     if len(triangles) == 0:
         return clear
     new, kept = len(triangles), len(faces)
-    boxes_new = _boxes(positions, triangles)
-    sides = (boxes_new[:, 3:] - boxes_new[:, :3]).sum(axis=1, keepdims=True)
-    grow = np.maximum(max(gap_self, gap_body), TOUCH * sides)
-    boxes_new += np.concatenate([np.tile(-grow, 3), np.tile(grow, 3)], axis=1)
+    boxes_new = np.empty((new, 6))
+    _grow_boxes(positions, triangles, max(gap_self, gap_body), boxes_new)
     tree_new = bvh.build(boxes_new)
 
     among = bvh.self_overlapping_pairs(tree_new, boxes_new)
-    cloth = bvh.boxes_meeting_faces(tree_new, boxes_new, positions, faces)
-    removals = removed_owner.astype(np.int64) * kept + removed
-    cloth = cloth[~np.isin(owner[cloth[:, 0]].astype(np.int64) * kept + cloth[:, 1], removals)]
-    points, welded, corners = positions, weld, [triangles, faces]
-    body = np.empty((0, 2), np.int32)
+    met = bvh.boxes_meeting_faces(tree_new, boxes_new, positions, faces)
+    cloth = np.empty_like(met)
+    link = np.full(kept + len(removed), -1, np.int32)
+    cloth = cloth[: _kept_pairs(met, owner, removed, removed_owner, new, link, cloth)]
+    points, welded, corners, pairs = positions, weld, [triangles, faces], [among, cloth]
     if avatar is not None:
         body = bvh.boxes_meeting_faces(tree_new, boxes_new, avatar.vertices, avatar.faces)
-        points = np.concatenate([positions, avatar.vertices])
-        welded = np.concatenate([weld, np.arange(len(positions), len(points), dtype=np.int32)])
-        corners.append(avatar.faces + np.int32(len(positions)))
+        if len(body):
+            # Only the faces that are met, with corners of their own.
+            own = np.arange(len(positions), len(positions) + 3 * len(body), dtype=np.int32)
+            points = np.concatenate([positions, avatar.vertices[avatar.faces[body[:, 1]]].reshape(-1, 3)])
+            welded = np.concatenate([weld, own])
+            corners.append(own.reshape(-1, 3))
+            body[:, 1] = np.arange(new + kept, new + kept + len(body), dtype=np.int32)
+            pairs.append(body)
 
-    cloth[:, 1] += np.int32(new)
-    body[:, 1] += np.int32(new + kept)
-    pairs = np.concatenate([among, cloth, body])
-    gap = np.full(len(pairs), gap_self)
-    gap[len(among) + len(cloth) :] = gap_body
-    meets = np.empty(len(pairs), bool)
-    _judge_pairs(points, welded, np.concatenate(corners), pairs, gap, meets)
+    asked = np.concatenate(pairs)
+    meets = np.empty(len(asked), bool)
+    in_cloth = len(among) + len(cloth)
+    _judge_pairs(points, welded, np.concatenate(corners), asked, in_cloth, gap_self, gap_body, meets)
 
+    if not meets.any():
+        return clear
     met = owner[among[meets[: len(among)]]]
     own = met[:, 0] == met[:, 1]
     clear[met[own, 0]] = False
-    clear[owner[pairs[len(among) :][meets[len(among) :], 0]]] = False
+    clear[owner[asked[len(among) :][meets[len(among) :], 0]]] = False
     rivals = np.sort(met[~own], axis=1)
-    for high, low in np.unique(rivals[:, ::-1], axis=0):
-        clear[high] &= not clear[low]
+    _settle(rivals[np.argsort(rivals[:, 1], kind="stable")], clear)
     return clear

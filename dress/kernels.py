@@ -40,9 +40,17 @@ PANEL_KERNELS = (
 )
 REMESH_KERNELS = (
     "toile.collide.patch_clearance",
+    "toile.engine.patch_energy",
     "toile.remesh.edge_size",
     "toile.remesh.choose_merges",
+    "toile.remesh.smooth_curvature",
+    "toile.remesh.mesh_edges",
+    "toile.remesh.mesh_in_work",
     "toile.remesh.judge_flips",
+    "toile.remesh.flip_round",
+    "toile.remesh.removable_nodes",
+    "toile.remesh.node_faces",
+    "toile.remesh.merge_patches",
     "toile.remesh.disjoint_pairs",
 )
 INTEGRATOR_KERNELS = ("toile.engine.forces.spring", "toile.engine.forces.membrane_damping")

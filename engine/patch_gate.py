@@ -4,9 +4,9 @@ import numpy as np
 
 from toile.collide.patch_clearance import clear_proposals
 from toile.engine.cloth import Cloth
-from toile.engine.forces.membrane import Membrane
+from toile.engine.patch_energy import patch_energies
 from toile.engine.step import ClothStepper
-from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.arrays import Bool, Float
 from toile.remesh.acceptance import Proposals
 
 LEAST_GAP = 1e-4
@@ -61,16 +61,12 @@ class PatchGate:
     def _added_energy(self, positions: Float, proposals: Proposals) -> Float:
         """Membrane energy that each proposal adds [J], shape (p,)."""
         count = proposals.proposal_count
-        new = self._energies(positions, proposals.triangles, proposals.rest_corners, proposals.origin)
-        old = self._energies(
+        new = patch_energies(
+            positions, proposals.triangles, proposals.rest_corners, self._stiffness, proposals.origin
+        )
+        old = patch_energies(
             positions, proposals.face_nodes[proposals.removed], proposals.removed_rest_corners,
-            proposals.removed_origin,
+            self._stiffness, proposals.removed_origin,
         )  # fmt: skip
         after = np.bincount(proposals.owner, weights=new, minlength=count)
         return np.asarray(after - np.bincount(proposals.removed_owner, weights=old, minlength=count))
-
-    def _energies(self, positions: Float, faces: Int, rest_corners: Float, origin: Int) -> Float:
-        """Membrane energy of triangles (q, 3) [J], shape (q,)."""
-        membrane = Membrane(np.ascontiguousarray(faces), rest_corners, *self._stiffness[origin].T)
-        membrane.energy(positions)
-        return membrane.element_energy

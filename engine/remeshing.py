@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.patch_gate import PatchGate
-from toile.engine.remeshing_record import Remeshing
+from toile.engine.remeshing_record import NOISE, Remeshing
 from toile.engine.sizing_field import face_metrics
 from toile.engine.step import ClothStepper
 from toile.engine.step_memory import Memory
@@ -33,6 +33,8 @@ RELAXATIONS, MATCHINGS = 3, 8
 """Steps in which the nodes around remeshed faces settle; at most, in which they give back added energy."""
 JUMP = 3e-3
 """Added share of the elastic energy that is left as it is."""
+BOUND = 5e-3
+"""Added share of the elastic energy that a cloth in motion may keep: beyond, it keeps its old mesh."""
 HALVINGS = 10
 """Halvings of the way to where the elastic energy is what it was."""
 
@@ -98,11 +100,12 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
 def remesh_run(
     run: ClothRun, options: SizingOptions, relax: StepRequest, step: int, keep_energy: bool = False
 ) -> Remeshing | None:
-    """Let a run go on with a mesh that fits its cloth's present shape; None where it has one.
+    """Let a run go on with a mesh that fits its cloth's present shape; None where it keeps its own.
 
     Then the nodes around changed faces find their places, by steps `relax` of one Newton iteration, while
     all others stay. With `keep_energy` they do so only as far as it takes to bring the elastic energy back to
-    what it was. Velocities keep the momentum that they had. `step` is how many steps the run has made.
+    what it was; where that leaves more than `BOUND`, the pass is undone. Velocities keep the momentum that
+    they had. `step` is how many steps the run has made.
     """
     stepper = run.stepper
     found = remeshed(run.cloth, stepper, options)
@@ -110,6 +113,7 @@ def remesh_run(
         return None
     old = replace(run.cloth, positions=stepper.x, velocities=stepper.v)
     before = stepper.elastic_energy()
+    former = run.cloth, stepper
     # All that it takes counts as remeshing, not as assembly or contact.
     clock, run.clock = run.clock, StageClock(now=run.clock.now)
     ClothRun.restart(run, found.cloth, found.anchors, found.memory)
@@ -118,6 +122,10 @@ def remesh_run(
     most = (1.0 + JUMP) * before
     if not keep_energy or stepper.elastic_energy() > most:
         _relax(stepper, _around(found.cloth.face_nodes, found.changed), relax, most if keep_energy else None)
+    if keep_energy and stepper.elastic_energy() > (1.0 + BOUND) * before + NOISE:
+        run.cloth, run.stepper = former
+        run.clock = clock
+        return None
     if velocities.any():
         after = replace(found.cloth, positions=stepper.x, velocities=velocities)
         velocities = with_momentum_of(_motion(old), _motion(after))
@@ -185,9 +193,10 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     sides = rest[cloth.faces[:, 1:]] - rest[cloth.faces[:, :1]]
     plane = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
     frames = np.einsum("tci,tdc->tid", sides, np.linalg.inv(plane))
-    region = np.unique(
-        np.stack([cloth.garment, cloth.panel, cloth.fabric], axis=1), axis=0, return_inverse=True
-    )
+    parts = cloth.garment.astype(np.int64)
+    for part in (cloth.panel, cloth.fabric):
+        parts = parts * (int(part.max(initial=0)) + 1) + part
+    region = np.unique(parts, return_inverse=True)[1]
     kept = np.zeros(len(x), bool)
     kept[cloth.stitches.ravel()] = True
     return ClothMesh(
@@ -195,7 +204,7 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
         node=cloth.node,
         faces=cloth.faces,
         frames=np.ascontiguousarray(frames),
-        region=region[1].reshape(-1).astype(np.int32),
+        region=region.astype(np.int32),
         positions=x.copy(),
         kept=kept,
         pinned=cloth.pinned,

@@ -26,9 +26,9 @@ RING_WEIGHT = 0.5
 
 
 @helper
-def _solve(matrix: Float, right: Float, solution: Float) -> None:
-    """Solve a symmetric positive definite system by Cholesky; `matrix` is overwritten."""
-    size = len(right)  # not a constant 6: unrolled loops take a second to compile
+def _factorise(matrix: Float) -> None:
+    """Replace a symmetric positive definite matrix by its Cholesky factor."""
+    size = len(matrix)  # not a constant 6: unrolled loops take a second to compile
     for i in range(size):
         for j in range(i + 1):
             total = matrix[i, j]
@@ -38,6 +38,12 @@ def _solve(matrix: Float, right: Float, solution: Float) -> None:
                 matrix[i, i] = sqrt(max(total, 1e-300))
             else:
                 matrix[i, j] = total / matrix[j, j]
+
+
+@helper
+def _substitute(matrix: Float, right: Float, solution: Float) -> None:
+    """Solve with a Cholesky factor."""
+    size = len(right)
     for i in range(size):
         total = right[i]
         for k in range(i):
@@ -77,6 +83,15 @@ def _fit(
         basis[i, 0], basis[i, 1], basis[i, 2] = 1.0, a, b
         basis[i, 3], basis[i, 4], basis[i, 5] = 0.5 * a * a, a * b, 0.5 * b * b
         weights[i] = 0.0
+    for p in range(size):
+        for q in range(p + 1):
+            total = 0.0
+            for i in range(count):
+                total += ring_weights[i] * basis[i, p] * basis[i, q]
+            matrix[p, q] = total
+    for p in range(3, size):
+        matrix[p, p] += ridge
+    _factorise(matrix)
     rounds = 4 if ridge < 1e-6 else 2
     for _ in range(rounds):
         for q in range(size):
@@ -84,15 +99,7 @@ def _fit(
             for i in range(count):
                 total -= basis[i, q] * weights[i]
             residual[q] = total
-        for p in range(size):
-            for q in range(p + 1):
-                total = 0.0
-                for i in range(count):
-                    total += ring_weights[i] * basis[i, p] * basis[i, q]
-                matrix[p, q] = total
-        for p in range(3, size):
-            matrix[p, p] += ridge
-        _solve(matrix, residual, update)
+        _substitute(matrix, residual, update)
         for i in range(count):
             total = 0.0
             for q in range(size):

@@ -53,22 +53,23 @@ class Accept(Protocol):
 
 
 class Gate:
-    """Asks for acceptance and remembers refusals, so that nothing is asked twice in one pass."""
+    """Asks for acceptance and remembers refusals, so that nothing is asked twice in one pass.
+
+    Attributes
+    ----------
+    refused
+        Keys of what has been refused, sorted.
+    """
 
     def __init__(self, accept: Accept | None) -> None:
         self._accept = accept
-        self._refused = np.empty(0, np.int64)
-
-    def open_to(self, keys: npt.NDArray[np.int64]) -> Bool:
-        """Tell which changes, named by a key each, have not been refused yet, shape (k,)."""
-        if not len(self._refused):
-            return np.ones(len(keys), bool)
-        return np.asarray(~np.isin(keys, self._refused))
+        self.refused = np.empty(0, np.int64)
 
     def passed(self, positions: Float, proposals: Proposals, keys: npt.NDArray[np.int64]) -> Bool:
         """Tell which proposals are accepted, shape (p,); remembers the keys of the others."""
         if self._accept is None or not proposals.proposal_count:
             return np.ones(proposals.proposal_count, bool)
         accepted = np.asarray(self._accept(positions, proposals), bool)
-        self._refused = np.concatenate([self._refused, keys[~accepted]])
+        if not accepted.all():
+            self.refused = np.sort(np.concatenate([self.refused, keys[~accepted]]))
         return accepted

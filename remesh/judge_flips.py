@@ -5,7 +5,19 @@ import math
 import numpy as np
 from numba import types
 
-from toile.geometry.kernel import F64_2, F64_3, I32_1, I32_2, OUT_F64_1, helper, kernel
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_2,
+    F64_3,
+    I8_1,
+    I32_1,
+    I32_2,
+    OUT_F64_1,
+    OUT_I32_2,
+    helper,
+    kernel,
+)
+from toile.remesh.mesh_edges import INNER
 from toile.remesh.metric import aspect, product, squared_length, twice_area
 
 
@@ -55,24 +67,30 @@ def delaunay_excess(rest, tensors, frames, t, a, b, c, d):  # type: ignore[no-un
 
 @kernel(
     types.void(
-        I32_2, I32_1, I32_2, F64_2, F64_2, F64_3, F64_2, types.float64, types.float64, types.float64,
-        OUT_F64_1,
+        I32_1, I8_1, BOOL_1, BOOL_1, I32_2, I32_2, I32_2, F64_2, F64_2, F64_3, F64_2, types.float64,
+        types.float64, types.float64, OUT_I32_2, OUT_F64_1,
     )
 )  # fmt: skip
 def judge_flips(  # type: ignore[no-untyped-def]
-    quads, face, faces_across, rest, tensors, frames, normals, margin, longest, well_shaped, excess
-):
+    active, kind, creased, frozen, at_faces, sides, faces, rest, tensors, frames, normals, margin, longest,
+    well_shaped, quads, excess,
+):  # fmt: skip
     """Write by how much edges bc should flip; minus infinity where they should not, or must not.
 
-    `quads` (k, 4) are the corners a, b, c, d of faces abc and dcb. A flip is worth it where the sine exceeds
-    `margin`; it must make neither an edge longer than `longest` in the metric, unless bc is longer, nor a
-    triangle worse than `well_shaped`, unless one was worse before, nor one upside down. `face` is the one
-    whose plane counts, shape (k,), `faces_across` (k, 6) the corners of both faces as they are.
+    `active` are the edges that are looked at, shape (k,); the corners a, b, c, d of their faces abc and dcb
+    are written to `quads` (k, 4). A flip is worth it where the sine exceeds `margin`; it must make neither an
+    edge longer than `longest` in the metric, unless bc is longer, nor a triangle worse than `well_shaped`,
+    unless one was worse before, nor one upside down. Borders, seams, creases and frozen edges do not flip.
     """
-    for i in range(len(quads)):
-        a, b, c, d = quads[i, 0], quads[i, 1], quads[i, 2], quads[i, 3]
-        t = face[i]
+    for i in range(len(active)):
+        edge = active[i]
         excess[i] = -np.inf
+        if kind[edge] != INNER or creased[edge] or frozen[edge]:
+            continue
+        t, u = at_faces[edge, 0], at_faces[edge, 1]
+        k, j = sides[edge, 0], sides[edge, 1]
+        a, b, c, d = faces[t, k], faces[t, (k + 1) % 3], faces[t, (k + 2) % 3], faces[u, j]
+        quads[i, 0], quads[i, 1], quads[i, 2], quads[i, 3] = a, b, c, d
         value = delaunay_excess(rest, tensors, frames, t, a, b, c, d)
         if not value > margin:
             continue
@@ -83,8 +101,8 @@ def judge_flips(  # type: ignore[no-untyped-def]
             continue
         new = min(aspect(rest, tensors, a, b, d), aspect(rest, tensors, a, d, c))
         old = min(
-            aspect(rest, tensors, faces_across[i, 0], faces_across[i, 1], faces_across[i, 2]),
-            aspect(rest, tensors, faces_across[i, 3], faces_across[i, 4], faces_across[i, 5]),
+            aspect(rest, tensors, faces[t, 0], faces[t, 1], faces[t, 2]),
+            aspect(rest, tensors, faces[u, 0], faces[u, 1], faces[u, 2]),
         )
         if new > 0.0 and new >= min(well_shaped, old):
             excess[i] = value

@@ -1,13 +1,24 @@
 """Edges between nodes, with their one or two sides in the panels."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from numba import types
 
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.topology import triangle_topology
-from toile.remesh.row_products import row_dot
+from toile.geometry.kernel import (
+    F64_2,
+    I32_1,
+    I32_2,
+    OUT_BOOL_1,
+    OUT_I8_1,
+    OUT_I32_1,
+    OUT_I32_2,
+    helper,
+    kernel,
+)
 
 INNER, SEAM, BORDER, TANGLED = 0, 1, 2, 3
 """Two faces of one panel; two faces of different panels; one face; more faces, or only one node."""
@@ -49,12 +60,10 @@ class MeshEdges:
     frozen: Bool
     keys: npt.NDArray[np.int64]
 
-    def replace_face(self, edges: Int, old: Int, new: Int, new_side: int) -> None:
-        """Let edges that lie at faces `old` lie at side `new_side` of faces `new` instead; all shape (k,)."""
-        for slot in (0, 1):
-            hit = self.faces[edges, slot] == old
-            self.faces[edges[hit], slot] = new[hit]
-            self.sides[edges[hit], slot] = new_side
+    def add_keys(self, keys: npt.NDArray[np.int64]) -> None:
+        """Note node pairs that have become edges, shape (k,)."""
+        keys = np.sort(keys)
+        self.keys = np.insert(self.keys, np.searchsorted(self.keys, keys), keys)
 
 
 def pair_keys(a: Int, b: Int) -> npt.NDArray[np.int64]:
@@ -89,45 +98,109 @@ def build_edges(
 
     `normals` are the unit normals of the faces in rest space, shape (t, 3).
     """
-    topology = triangle_topology(node[faces])
-    count = len(topology.edges)
-    face_edges = topology.face_edges
-    flat = face_edges.ravel()
-    tangled = (topology.edge_face_count > 2) | (topology.edges[:, 0] == topology.edges[:, 1])
-    first = np.empty(count, np.int32)
-    first[flat[::-1]] = np.arange(len(flat), dtype=np.int32)[::-1]
-    paired = topology.neighbours.ravel()[first] >= 0
-    tangled |= (topology.edge_face_count == 2) & ~paired
-    edge_faces = np.full((count, 2), -1, np.int32)
-    edge_sides = np.zeros((count, 2), np.int32)
-    edge_faces[:, 0], edge_sides[:, 0] = first // 3, first % 3
-    edge_faces[paired, 1] = topology.neighbours.ravel()[first[paired]]
-    edge_sides[paired, 1] = topology.neighbour_sides.ravel()[first[paired]]
-
-    kind = np.full(count, BORDER, np.int8)
-    kind[tangled] = TANGLED
-    creased = np.zeros(count, bool)
-    two = np.flatnonzero(paired)
-    t, u = edge_faces[two].T
-    k, j = edge_sides[two].T
-    b, c = corner_after(faces, t, k, 1), corner_after(faces, t, k, 2)
-    same = (corner_after(faces, u, j, 2) == b) & (corner_after(faces, u, j, 1) == c)
-    same &= region[t] == region[u]
-    kind[two] = np.where(same, INNER, SEAM)
-    inner = two[same]
-    far = rest[faces[u[same], j[same]]] - rest[b[same]]
-    normal = normals[t[same]]
-    height = np.abs(row_dot(far, normal))
-    turned = row_dot(normal, normals[u[same]]) <= 0.0
-    creased[inner] = turned | (height > FLATNESS * np.sqrt(row_dot(far, far)))
-    keys = pair_keys(topology.edges[:, 0], topology.edges[:, 1])
+    most = 3 * len(faces)
+    nodes, at_faces, sides = np.empty((3, most, 2), np.int32)
+    face_edges, kind, creased = (
+        np.empty((len(faces), 3), np.int32),
+        np.empty(most, np.int8),
+        np.empty(most, bool),
+    )
+    highest = int(node.max(initial=-1)) + 1
+    count = _link_sides(
+        faces, node, region, rest, normals, np.zeros(highest + 1, np.int32), np.empty((most, 2), np.int32),
+        nodes, kind, at_faces, sides, face_edges, creased,
+    )  # fmt: skip
+    nodes = nodes[:count].copy()
+    keys = pair_keys(nodes[:, 0], nodes[:, 1])
     return MeshEdges(
-        nodes=topology.edges,
-        kind=kind,
-        faces=edge_faces,
-        sides=edge_sides,
+        nodes=nodes,
+        kind=kind[:count].copy(),
+        faces=at_faces[:count].copy(),
+        sides=sides[:count].copy(),
         face_edges=face_edges,
-        creased=creased,
+        creased=creased[:count].copy(),
         frozen=in_sorted(keys, frozen_keys),
         keys=keys,
     )
+
+
+@helper
+def _is_creased(faces, rest, normals, t, k, u, j):  # type: ignore[no-untyped-def]
+    """Tell whether face u, across side k of face t and side j of its own, lies in another plane."""
+    b, far = faces[t, (k + 1) % 3], faces[u, j]
+    x, y, z = rest[far, 0] - rest[b, 0], rest[far, 1] - rest[b, 1], rest[far, 2] - rest[b, 2]
+    height = abs(x * normals[t, 0] + y * normals[t, 1] + z * normals[t, 2])
+    along = normals[t, 0] * normals[u, 0] + normals[t, 1] * normals[u, 1] + normals[t, 2] * normals[u, 2]
+    return along <= 0.0 or height > FLATNESS * math.sqrt(x * x + y * y + z * z)
+
+
+@kernel(
+    types.int64(
+        I32_2, I32_1, I32_1, F64_2, F64_2, OUT_I32_1, OUT_I32_2, OUT_I32_2, OUT_I8_1, OUT_I32_2, OUT_I32_2,
+        OUT_I32_2, OUT_BOOL_1,
+    )
+)  # fmt: skip
+def _link_sides(  # type: ignore[no-untyped-def]
+    faces, node, region, rest, normals, place, entries, nodes, kind, at_faces, sides, face_edges, creased
+):
+    """Fill the arrays of `MeshEdges`, edges by lower, then by higher node; returns how many there are.
+
+    Work space: `place` (n + 1,), all 0, and `entries` (3 t, 2).
+    """
+    # The sides by their lower node, in order of their faces: (higher node, side).
+    for t in range(len(faces)):
+        for k in range(3):
+            p, q = node[faces[t, (k + 1) % 3]], node[faces[t, (k + 2) % 3]]
+            place[min(p, q) + 1] += 1
+    for i in range(1, len(place)):
+        place[i] += place[i - 1]
+    for t in range(len(faces)):
+        for k in range(3):
+            p, q = node[faces[t, (k + 1) % 3]], node[faces[t, (k + 2) % 3]]
+            low = min(p, q)
+            entries[place[low], 0] = max(p, q)
+            entries[place[low], 1] = 3 * t + k
+            place[low] += 1
+    count = 0
+    begin = 0
+    for low in range(len(place) - 1):
+        end = place[low]
+        for row in range(begin + 1, end):
+            high, side = entries[row, 0], entries[row, 1]
+            before = row
+            while before > begin and entries[before - 1, 0] > high:
+                entries[before, 0], entries[before, 1] = entries[before - 1, 0], entries[before - 1, 1]
+                before -= 1
+            entries[before, 0], entries[before, 1] = high, side
+        row = begin
+        while row < end:
+            high = entries[row, 0]
+            after = row
+            while after < end and entries[after, 0] == high:
+                face_edges[entries[after, 1] // 3, entries[after, 1] % 3] = count
+                after += 1
+            t, k = entries[row, 1] // 3, entries[row, 1] % 3
+            nodes[count, 0], nodes[count, 1] = low, high
+            at_faces[count, 0], sides[count, 0] = t, k
+            at_faces[count, 1], sides[count, 1] = -1, 0
+            creased[count] = False
+            kind[count] = BORDER
+            if after - row > 2 or low == high:
+                kind[count] = TANGLED
+            elif after - row == 2:
+                u, j = entries[row + 1, 1] // 3, entries[row + 1, 1] % 3
+                if u == t:
+                    kind[count] = TANGLED
+                else:
+                    at_faces[count, 1], sides[count, 1] = u, j
+                    same = faces[u, (j + 2) % 3] == faces[t, (k + 1) % 3]
+                    same = same and faces[u, (j + 1) % 3] == faces[t, (k + 2) % 3]
+                    if same and region[t] == region[u]:
+                        kind[count] = INNER
+                        creased[count] = _is_creased(faces, rest, normals, t, k, u, j)
+                    else:
+                        kind[count] = SEAM
+            count += 1
+            row = after
+        begin = end
+    return count

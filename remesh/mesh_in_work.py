@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
+from numba import types
 
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.kernel import F64_2, F64_3, I32_1, I32_2, OUT_F64_3, kernel
 from toile.remesh.cloth_mesh import ClothMesh
 from toile.remesh.mesh_edges import MeshEdges, build_edges, pair_keys
 from toile.remesh.packed_tensor import packed
@@ -79,8 +81,9 @@ class MeshInWork:
 
     def rest_corners(self, faces: Int, like: Int) -> Float:
         """Rest shapes of faces (k, 3) in the planes of faces `like`, (warp, weft) [m], shape (k, 3, 2)."""
-        sides = self.rest[faces] - self.rest[faces[:, :1]]
-        return np.asarray(np.einsum("tci,tij->tcj", sides, self.frames[like]))
+        corners = np.empty((len(faces), 3, 2))
+        _lay_down(faces, like, self.rest, self.frames, corners)
+        return corners
 
     @property
     def edges(self) -> MeshEdges:
@@ -144,3 +147,17 @@ class MeshInWork:
             frozen_edges=new_node[mesh.frozen_edges],
         )
         return result, transfer
+
+
+@kernel(types.void(I32_2, I32_1, F64_2, F64_3, OUT_F64_3))
+def _lay_down(faces, like, rest, frames, corners):  # type: ignore[no-untyped-def]
+    """Fill corners (k, 3, 2) of faces in the planes of faces `like`, the first at the origin."""
+    for row in range(len(faces)):
+        first, t = faces[row, 0], like[row]
+        for corner in range(3):
+            vertex = faces[row, corner]
+            for way in range(2):
+                total = 0.0
+                for axis in range(3):
+                    total += (rest[vertex, axis] - rest[first, axis]) * frames[t, axis, way]
+                corners[row, corner, way] = total

@@ -4,15 +4,29 @@ A node inside a flat part may be merged into any neighbour. On a line (border, s
 shape) it may be merged into its two neighbours on the line, if the line is straight there on every side.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
-from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.arrays import Bool, Int
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_2,
+    I8_1,
+    I32_1,
+    I32_2,
+    I64_1,
+    OUT_BOOL_1,
+    OUT_I32_1,
+    OUT_I32_2,
+    helper,
+    kernel,
+)
 from toile.remesh.edge_size import edge_sizes
-from toile.remesh.mesh_edges import BORDER, INNER, SEAM, TANGLED, MeshEdges, corner_after
+from toile.remesh.mesh_edges import BORDER, INNER, SEAM, TANGLED
 from toile.remesh.mesh_in_work import MeshInWork
-from toile.remesh.row_products import row_cross, row_dot
 
 STRAIGHTNESS = 1e-9
 """A point lies on a line if its distance is at most this share of the line's length."""
@@ -51,80 +65,155 @@ def possible_merges(work: MeshInWork, longest: float, near: Bool | None = None) 
     if near is not None:
         looked_at &= near[edges.nodes].any(axis=1)
     short = np.flatnonzero(looked_at)
+    short = short[np.argsort(size[short], kind="stable")]
     inside, on_line = _removable(work)
-    line = _is_line(edges)[short]
-    ends = edges.nodes[short]
-    allowed = np.where(line[:, None], on_line[ends], inside[ends])
-    order = np.argsort(size[short], kind="stable")
-    row, end = np.nonzero(allowed[order])
-    edge = short[order[row]].astype(np.int32)
-    removed, target = edges.nodes[edge, end], edges.nodes[edge, 1 - end]
-    here, there = _side_vertices(work, edges, edge, removed)
-    return Merges(removed, target, here, there)
+    most = 2 * len(short)
+    found = Merges(*np.empty((2, most), np.int32), *np.empty((2, most, 2), np.int32))
+    count = _list_merges(
+        short, edges.nodes, edges.kind, edges.creased, edges.faces, edges.sides, work.faces, work.node,
+        inside, on_line, *found,
+    )  # fmt: skip
+    return found.where(np.arange(count))
 
 
-def _is_line(edges: MeshEdges) -> Bool:
-    return np.asarray((edges.kind != INNER) | edges.creased)
+@helper
+def _is_line(kind, creased, edge):  # type: ignore[no-untyped-def]
+    return kind[edge] != INNER or creased[edge]
 
 
-def _side_vertices(work: MeshInWork, edges: MeshEdges, edge: Int, at: Int) -> tuple[Int, Int]:
-    """Material vertices of node `at` and of the other end, on both sides of edges, each (k, 2).
+@helper
+def _ends(at_faces, sides, faces, node, edge, side, at):  # type: ignore[no-untyped-def]
+    """Material vertices of node `at` and of the other end of an edge, on one of its two sides.
 
     An edge with one face shows its one side twice.
     """
-    face, side = edges.faces[edge], edges.sides[edge]
-    alone = face[:, 1] < 0
-    face[alone, 1], side[alone, 1] = face[alone, 0], side[alone, 0]
-    p, q = corner_after(work.faces, face, side, 1), corner_after(work.faces, face, side, 2)
-    forward = work.node[p] == at[:, None]
-    return np.where(forward, p, q), np.where(forward, q, p)
+    if at_faces[edge, side] < 0:
+        side = 0
+    t, k = at_faces[edge, side], sides[edge, side]
+    p, q = faces[t, (k + 1) % 3], faces[t, (k + 2) % 3]
+    if node[p] == at:
+        return p, q
+    return q, p
+
+
+@kernel(
+    types.int64(
+        I64_1, I32_2, I8_1, BOOL_1, I32_2, I32_2, I32_2, I32_1, BOOL_1, BOOL_1, OUT_I32_1, OUT_I32_1,
+        OUT_I32_2, OUT_I32_2,
+    )
+)  # fmt: skip
+def _list_merges(  # type: ignore[no-untyped-def]
+    short, nodes, kind, creased, at_faces, sides, faces, node, inside, on_line, removed, target, vertices,
+    target_vertices,
+):  # fmt: skip
+    """Write the merges of removable nodes along the edges `short`, in order; returns how many."""
+    count = 0
+    for edge in short:
+        line = _is_line(kind, creased, edge)
+        for end in range(2):
+            i = nodes[edge, end]
+            if not (on_line[i] if line else inside[i]):
+                continue
+            removed[count], target[count] = i, nodes[edge, 1 - end]
+            for side in range(2):
+                here, there = _ends(at_faces, sides, faces, node, edge, side, i)
+                vertices[count, side], target_vertices[count, side] = here, there
+            count += 1
+    return count
 
 
 def _removable(work: MeshInWork) -> tuple[Bool, Bool]:
     """Nodes that may merge into any neighbour, and nodes that may merge along their line; each (n,)."""
-    edges = work.edges
-    count = len(work.positions)
-    free = work.node_alive & ~work.kept
-    fixed = edges.nodes[edges.frozen | (edges.kind == TANGLED)]
-    free[fixed.ravel()] = False
-    vertex_count = np.bincount(work.node[work.vertex_alive], minlength=count).astype(np.int32)
-    line = np.flatnonzero(_is_line(edges))
-    ends = edges.nodes[line].ravel()
-    line_count = np.bincount(ends, minlength=count)
-    inside = free & ~work.pinned & (line_count == 0) & (vertex_count == 1)
-
-    order = np.argsort(ends, kind="stable")
-    line_of = line[order // 2].astype(np.int32)
-    start = np.searchsorted(ends[order], np.arange(count))
-    nodes = np.flatnonzero(free & (line_count == 2)).astype(np.int32)
-    one, two = line_of[start[nodes]], line_of[start[nodes] + 1]
-    on_line = np.zeros(count, bool)
-    on_line[nodes] = _is_straight(work, edges, nodes, one, two, vertex_count[nodes])
+    edges, count = work.edges, len(work.positions)
+    inside, on_line = work.node_alive & ~work.kept, np.empty(count, bool)
+    _mark_removable(
+        edges.nodes, edges.kind, edges.creased, edges.frozen, edges.faces, edges.sides, work.faces, work.node,
+        work.rest, work.positions, work.pinned, work.vertex_alive, np.zeros((count, 4), np.int32), inside,
+        on_line,
+    )  # fmt: skip
     return inside, on_line
 
 
-def _is_straight(work: MeshInWork, edges: MeshEdges, nodes: Int, one: Int, two: Int, vertices: Int) -> Bool:
-    """Tell where line edges `one` and `two` go straight on through `nodes` on every side; shape (k,)."""
-    here_one, far_one = _side_vertices(work, edges, one, nodes)
-    here_two, far_two = _side_vertices(work, edges, two, nodes)
-    swapped = here_one[:, 0] != here_two[:, 0]
-    far_two[swapped] = far_two[swapped, ::-1]
-    here_two[swapped] = here_two[swapped, ::-1]
-    straight = (edges.kind[one] == edges.kind[two]) & (here_one == here_two).all(axis=1)
-    straight &= np.where(here_one[:, 0] == here_one[:, 1], 1, 2) == vertices
-    for side in (0, 1):
-        straight &= _between(work.rest, here_one[:, side], far_one[:, side], far_two[:, side])
-    pinned = np.flatnonzero(work.pinned[nodes])
-    row = work.node[far_one[pinned, 0]], work.node[far_two[pinned, 0]]
-    in_row = np.isin(edges.kind[one[pinned]], (SEAM, BORDER)) & work.pinned[row[0]] & work.pinned[row[1]]
-    straight[pinned] &= in_row & _between(work.positions, nodes[pinned], *row)
-    return np.asarray(straight)
+@helper
+def _is_between(points, middle, a, b):  # type: ignore[no-untyped-def]
+    """Tell whether `middle` lies on the straight line between points a and b."""
+    ax, ay, az = (
+        points[a, 0] - points[middle, 0],
+        points[a, 1] - points[middle, 1],
+        points[a, 2] - points[middle, 2],
+    )
+    bx, by, bz = (
+        points[b, 0] - points[middle, 0],
+        points[b, 1] - points[middle, 1],
+        points[b, 2] - points[middle, 2],
+    )
+    lx, ly, lz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
+    x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    opposite = ax * bx + ay * by + az * bz < 0.0
+    return opposite and math.sqrt(x * x + y * y + z * z) <= STRAIGHTNESS * (lx * lx + ly * ly + lz * lz)
 
 
-def _between(points: Float, middle: Int, a: Int, b: Int) -> Bool:
-    """Tell where `middle` lies on the straight line between points a and b, shape (k,)."""
-    to_a, to_b, length = points[a] - points[middle], points[b] - points[middle], points[b] - points[a]
-    twice_area = row_cross(to_a, to_b)
-    opposite = row_dot(to_a, to_b) < 0.0
-    near = np.sqrt(row_dot(twice_area, twice_area)) <= STRAIGHTNESS * row_dot(length, length)
-    return np.asarray(opposite & near)
+@helper
+def _is_straight(  # type: ignore[no-untyped-def]
+    kind, at_faces, sides, faces, node, rest, positions, pinned, i, one, two, vertex_count
+):
+    """Tell whether line edges `one` and `two` go straight on through node i on every side."""
+    if kind[one] != kind[two]:
+        return False
+    first, _ = _ends(at_faces, sides, faces, node, one, 0, i)
+    begin, _ = _ends(at_faces, sides, faces, node, two, 0, i)
+    swapped = 0 if first == begin else 1
+    other, _ = _ends(at_faces, sides, faces, node, one, 1, i)
+    if vertex_count != (1 if first == other else 2):
+        return False
+    for side in range(2):
+        here, far = _ends(at_faces, sides, faces, node, one, side, i)
+        here_two, far_two = _ends(at_faces, sides, faces, node, two, side ^ swapped, i)
+        if here != here_two or not _is_between(rest, here, far, far_two):
+            return False
+        if side == 0 and pinned[i]:
+            j, k = node[far], node[far_two]
+            in_row = (kind[one] == SEAM or kind[one] == BORDER) and pinned[j] and pinned[k]
+            if not (in_row and _is_between(positions, i, j, k)):
+                return False
+    return True
+
+
+@kernel(
+    types.void(
+        I32_2, I8_1, BOOL_1, BOOL_1, I32_2, I32_2, I32_2, I32_1, F64_2, F64_2, BOOL_1, BOOL_1, OUT_I32_2,
+        OUT_BOOL_1, OUT_BOOL_1,
+    )
+)  # fmt: skip
+def _mark_removable(  # type: ignore[no-untyped-def]
+    nodes, kind, creased, frozen, at_faces, sides, faces, node, rest, positions, pinned, vertex_alive, tally,
+    inside, on_line,
+):  # fmt: skip
+    """Mark nodes `inside` flat parts and `on_line`; those that must stay are not marked in `inside` before.
+
+    Work space: `tally` (n, 4), all 0: how many vertices and lines a node has, and its first two lines.
+    """
+    for vertex in range(len(node)):
+        if vertex_alive[vertex]:
+            tally[node[vertex], 0] += 1
+    for edge in range(len(nodes)):
+        fixed = frozen[edge] or kind[edge] == TANGLED
+        line = _is_line(kind, creased, edge)
+        for end in range(2):
+            i = nodes[edge, end]
+            if fixed:
+                inside[i] = False
+            if line:
+                if tally[i, 1] < 2:
+                    tally[i, 2 + tally[i, 1]] = edge
+                tally[i, 1] += 1
+    for i in range(len(inside)):
+        on_line[i] = (
+            inside[i]
+            and tally[i, 1] == 2
+            and _is_straight(
+                kind, at_faces, sides, faces, node, rest, positions, pinned, i, tally[i, 2], tally[i, 3],
+                tally[i, 0],
+            )
+        )  # fmt: skip
+        inside[i] = inside[i] and not pinned[i] and tally[i, 1] == 0 and tally[i, 0] == 1

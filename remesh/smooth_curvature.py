@@ -6,13 +6,16 @@ they are a property of the surface: noise cancels, and a crease counts with the 
 radius is half the edge length that the average itself asks for, so that what needs fine edges stays sharp.
 """
 
+import math
+
 import numpy as np
+from numba import types
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.kernel import F64_1, F64_2, F64_3, I32_2, OUT_F64_2, OUT_I32_1, helper, kernel
 from toile.geometry.topology import triangle_topology
 from toile.remesh.cloth_mesh import ClothMesh
 from toile.remesh.packed_tensor import in_plane, lifted
-from toile.remesh.plane_tensor import eigenvalues
 from toile.remesh.sizing import SizingOptions
 
 MAX_STEPS = 16
@@ -31,18 +34,66 @@ def smoothed_curvature(mesh: ClothMesh, curvature: Float, options: SizingOptions
     area = np.abs(mesh.rest_area)
     weight, neighbour = _neighbour_weights(mesh, area)
     tensors = lifted(mesh.frames, curvature)
-    going_on = np.arange(len(area))
-    for step in range(1, MAX_STEPS + 1):
-        average = weight[going_on, 3, None] * tensors[going_on]
-        for side in range(3):
-            average += weight[going_on, side, None] * tensors[neighbour[going_on, side]]
-        low, high = eigenvalues(in_plane(mesh.frames[going_on], average))
-        sharpest = np.maximum(np.maximum(np.abs(low), np.abs(high)), 1e-300)
-        size = np.clip(options.refine_angle / sharpest, options.size_min, options.size_max)
-        wide = step * SQUARED_RADIUS_PER_STEP * area[going_on] <= 0.25 * size * size
-        going_on = going_on[wide]
-        tensors[going_on] = average[wide]
+    _smooth(
+        mesh.frames, weight, neighbour, area, options.refine_angle, options.size_min, options.size_max,
+        np.arange(len(area), dtype=np.int32), np.empty_like(tensors), tensors,
+    )  # fmt: skip
     return in_plane(mesh.frames, tensors)
+
+
+@helper
+def _along(tensors, t, ax, ay, az, bx, by, bz):  # type: ignore[no-untyped-def]
+    """Inner product of two vectors in a packed tensor."""
+    straight = tensors[t, 0] * ax * bx + tensors[t, 1] * ay * by + tensors[t, 2] * az * bz
+    mixed = tensors[t, 3] * (ay * bz + az * by) + tensors[t, 4] * (az * bx + ax * bz)
+    return straight + (mixed + tensors[t, 5] * (ax * by + ay * bx))
+
+
+@kernel(
+    types.void(
+        F64_3,
+        F64_2,
+        I32_2,
+        F64_1,
+        types.float64,
+        types.float64,
+        types.float64,
+        OUT_I32_1,
+        OUT_F64_2,
+        OUT_F64_2,
+    )
+)
+def _smooth(  # type: ignore[no-untyped-def]
+    frames, weight, neighbour, area, refine_angle, size_min, size_max, going_on, average, tensors
+):
+    """Average packed `tensors` (t, 6) in place; work space: `going_on` (t,), all faces, and `average`."""
+    count = len(going_on)
+    for step in range(1, MAX_STEPS + 1):
+        for row in range(count):
+            t = going_on[row]
+            for entry in range(6):
+                total = weight[t, 3] * tensors[t, entry]
+                for side in range(3):
+                    total += weight[t, side] * tensors[neighbour[t, side], entry]
+                average[t, entry] = total
+        left = 0
+        for row in range(count):
+            t = going_on[row]
+            px, py, pz = frames[t, 0, 0], frames[t, 1, 0], frames[t, 2, 0]
+            fx, fy, fz = frames[t, 0, 1], frames[t, 1, 1], frames[t, 2, 1]
+            uu = _along(average, t, px, py, pz, px, py, pz)
+            vv = _along(average, t, fx, fy, fz, fx, fy, fz)
+            uv = _along(average, t, px, py, pz, fx, fy, fz)
+            mean, half = 0.5 * (uu + vv), 0.5 * (uu - vv)
+            length = math.sqrt(half * half + uv * uv)
+            sharpest = max(abs(mean - length), abs(mean + length), 1e-300)
+            size = min(max(refine_angle / sharpest, size_min), size_max)
+            if step * SQUARED_RADIUS_PER_STEP * area[t] <= 0.25 * size * size:
+                for entry in range(6):
+                    tensors[t, entry] = average[t, entry]
+                going_on[left] = t
+                left += 1
+        count = left
 
 
 def _neighbour_weights(mesh: ClothMesh, area: Float) -> tuple[Float, Int]:

@@ -178,6 +178,19 @@ def test_remeshing_cloth_in_motion_adds_no_energy_and_keeps_momentum() -> None:
         assert np.sum(after[1] * run.stepper.v) == pytest.approx(kinetic, rel=0.05)
 
 
+def test_a_pass_whose_energy_cannot_be_given_back_is_undone() -> None:
+    """In steps of a microsecond nothing moves."""
+    points, faces = mesh("random", 0.5, 0.4, 0.05)
+    cloth = cloth_at(points, faces, rolled(points, 0.1))
+    run = ClothRun(cloth, None, OPTIONS, StageClock())
+    stepper, x, before = run.stepper, run.stepper.x.copy(), run.stepper.elastic_energy()
+    hardly = StepRequest(h=1e-6, at_rest=True, gravity=0.0)
+    assert remesh_run(run, FINE, hardly, step=0, keep_energy=True) is None
+    assert run.cloth is cloth and run.stepper is stepper
+    assert np.array_equal(stepper.x, x) and stepper.elastic_energy() == before
+    assert remesh_run(run, FINE, replace(hardly, h=0.25), step=0, keep_energy=True) is not None
+
+
 def test_flat_cloth_comes_back_to_few_triangles(bent: Cloth) -> None:
     fine = adapted(bent).cloth
     flat = replace(fine, positions=np.ascontiguousarray(fine.start_positions[np.argsort(fine.node)]))
