@@ -153,7 +153,7 @@ def _pierces(p, weld, i, j, a, b, c, touch):  # type: ignore[no-untyped-def]
 def _judge_pairs(  # type: ignore[no-untyped-def]
     p, weld, triangles, pairs, in_cloth, gap_self, gap_body, meets
 ):
-    """Write for every pair (new triangle, other triangle) whether they meet; the first `in_cloth` are cloth."""
+    """Write for every pair (new triangle, other triangle) if they meet; the first `in_cloth` are cloth."""
     for row in range(pairs.shape[0]):
         a = pairs[row, 0]
         b = pairs[row, 1]
