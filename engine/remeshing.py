@@ -31,7 +31,7 @@ FEW = 0.02
 """Splits and collapses, as a share of the faces, that are not worth a new mesh: still cloth keeps its own."""
 RELAXATIONS, MATCHINGS = 3, 8
 """Steps in which the nodes around remeshed faces settle; at most, in which they give back added energy."""
-JUMP = 3e-3
+JUMP = 4.5e-3
 """Added share of the elastic energy that is left as it is."""
 BOUND = 5e-3
 """Added share of the elastic energy that a cloth in motion may keep: beyond, it keeps its old mesh."""
