@@ -42,7 +42,7 @@ class SizingOptions:
     size_max: float
     refine_angle: float = 0.3
     refine_velocity: float = 0.5
-    refine_compression: float = 0.01
+    refine_compression: float = 0.005
     aspect_min: float = 0.2
 
     def __post_init__(self) -> None:
@@ -67,7 +67,7 @@ _HINTS = {
     "size_max": "give the longest edge to ask for [m], such as 0.05",
     "refine_angle": "give a turn per edge [rad], such as 0.3, or 1e6 to ignore curvature",
     "refine_velocity": "give a change per edge [m/s], such as 0.5, or 1e6 to ignore motion",
-    "refine_compression": "give a length [m], such as 0.01, or 1e6 to ignore compression",
+    "refine_compression": "give a length [m], such as 0.005, or 1e6 to ignore compression",
     "aspect_min": "give a ratio such as 0.2, or 1 for triangles of equal edges",
 }
 """What to give instead of a wrong value."""
