@@ -30,8 +30,10 @@ START = 4.0
 """Edge length of the mesh that an adaptive film starts from, in finest edges."""
 LEAST_ERROR = 1e-12
 """Keeps ratios of errors finite."""
-REFINE_ANGLE = {"sphere": 0.8, "flag": 0.25, "hang": 0.1, "shirt": 0.5}
+REFINE_ANGLE = {"sphere": 0.7, "flag": 0.25, "hang": 0.07, "shirt": 0.6}
 """Turn of the surface per edge that adaptive meshes aim at [rad]: more where folds are sharp and many."""
+REFINE_COMPRESSION = {"sphere": 0.007, "flag": 0.02, "hang": 0.02, "shirt": 0.007}
+"""How coarse they stay where cloth is compressed [m]: see `SizingOptions`."""
 BARS = {
     "cpu_ratio": (5.0, "at least"),
     "face_ratio": (0.25, "at most"),
@@ -103,7 +105,10 @@ def bench_scene(
     `say` gets a line per run.
     """
     finest = FINEST[name]
-    sizing = SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE[name])
+    sizing = SizingOptions(
+        size_min=finest, size_max=COARSEST * finest, refine_angle=REFINE_ANGLE[name],
+        refine_compression=REFINE_COMPRESSION[name],
+    )  # fmt: skip
 
     def run(edge: float, adaptive: SizingOptions | None = None) -> Run:
         if name == "shirt":
