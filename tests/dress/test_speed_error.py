@@ -204,6 +204,9 @@ def test_times_at_equal_error_are_read_between_points() -> None:
     assert swing.time_at(slow, 10.0) == pytest.approx(10.0)
     assert swing.time_at(slow, 0.5) is None
     assert swing.time_ratios([*slow, *fast], "slow", "fast") == pytest.approx([10.0, 10.0])
+    nearer = point(4.0, 0.5, "fast")
+    assert swing.time_ratios([*slow, nearer], "slow", "fast") == pytest.approx([25.0])
+    assert swing.time_ratios([*slow, nearer], "fast", "slow") == []
 
 
 def test_a_swinging_sheet_and_a_point_of_it() -> None:
