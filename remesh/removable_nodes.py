@@ -155,27 +155,31 @@ def _is_between(points, middle, a, b):  # type: ignore[no-untyped-def]
 
 @helper
 def _is_straight(  # type: ignore[no-untyped-def]
-    kind, at_faces, sides, faces, node, rest, positions, pinned, i, one, two, vertex_count
+    kind, seen, node, rest, positions, pinned, i, one, two, vertex_count
 ):
-    """Tell whether line edges `one` and `two` go straight on through node i on every side."""
-    if kind[one] != kind[two]:
+    """Tell whether line edges `one` and `two` go straight on through node i on every side.
+
+    `seen` (4, 2) are the vertices at i and at the far end: of `one` on both its sides, then of `two`.
+    """
+    if kind[one] != kind[two] or vertex_count != (1 if seen[0, 0] == seen[1, 0] else 2):
         return False
-    first, _ = _ends(at_faces, sides, faces, node, one, 0, i)
-    begin, _ = _ends(at_faces, sides, faces, node, two, 0, i)
-    swapped = 0 if first == begin else 1
-    other, _ = _ends(at_faces, sides, faces, node, one, 1, i)
-    if vertex_count != (1 if first == other else 2):
-        return False
-    for side in range(2):
-        here, far = _ends(at_faces, sides, faces, node, one, side, i)
-        here_two, far_two = _ends(at_faces, sides, faces, node, two, side ^ swapped, i)
-        if here != here_two or not _is_between(rest, here, far, far_two):
+    swapped = 0 if seen[0, 0] == seen[2, 0] else 1
+    j, k = node[seen[0, 1]], node[seen[2 + swapped, 1]]
+    tests = 2
+    if pinned[i]:
+        if not ((kind[one] == SEAM or kind[one] == BORDER) and pinned[j] and pinned[k]):
             return False
-        if side == 0 and pinned[i]:
-            j, k = node[far], node[far_two]
-            in_row = (kind[one] == SEAM or kind[one] == BORDER) and pinned[j] and pinned[k]
-            if not (in_row and _is_between(positions, i, j, k)):
+        tests = 3
+    # One call for all: every call of a helper is compiled once more.
+    for test in range(tests):
+        points, middle, far, far_two = positions, i, j, k
+        if test < 2:
+            other = 2 + (test ^ swapped)
+            if seen[test, 0] != seen[other, 0]:
                 return False
+            points, middle, far, far_two = rest, seen[test, 0], seen[test, 1], seen[other, 1]
+        if not _is_between(points, middle, far, far_two):
+            return False
     return True
 
 
@@ -207,13 +211,14 @@ def _mark_removable(  # type: ignore[no-untyped-def]
                 if tally[i, 1] < 2:
                     tally[i, 2 + tally[i, 1]] = edge
                 tally[i, 1] += 1
+    seen = np.empty((4, 2), np.int32)
     for i in range(len(inside)):
-        on_line[i] = (
-            inside[i]
-            and tally[i, 1] == 2
-            and _is_straight(
-                kind, at_faces, sides, faces, node, rest, positions, pinned, i, tally[i, 2], tally[i, 3],
-                tally[i, 0],
+        on_line[i] = False
+        if inside[i] and tally[i, 1] == 2:
+            for row in range(4):
+                here, far = _ends(at_faces, sides, faces, node, tally[i, 2 + row // 2], row % 2, i)
+                seen[row, 0], seen[row, 1] = here, far
+            on_line[i] = _is_straight(
+                kind, seen, node, rest, positions, pinned, i, tally[i, 2], tally[i, 3], tally[i, 0]
             )
-        )  # fmt: skip
         inside[i] = inside[i] and not pinned[i] and tally[i, 1] == 0 and tally[i, 0] == 1

@@ -43,23 +43,18 @@ def _threads(faces, shape, x, t):  # type: ignore[no-untyped-def]
     return ux, uy, uz, vx, vy, vz
 
 
-@helper
-def energy_of(faces, shape, x, t):  # type: ignore[no-untyped-def]
-    """Return the energy of a face [J]."""
-    ux, uy, uz, vx, vy, vz = _threads(faces, shape, x, t)
-    warp = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
-    weft = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
-    shear = ux * vx + uy * vy + uz * vz
-    k_u = shape[t, 1] if warp > 0.0 else shape[t, 1] * shape[t, 10]
-    k_v = shape[t, 2] if weft > 0.0 else shape[t, 2] * shape[t, 10]
-    return 0.5 * shape[t, 0] * (k_u * warp * warp + k_v * weft * weft + shape[t, 3] * shear * shear)
-
-
 @kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_1))
-def _energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
-    """Fill element energies [J], shape (t,)."""
+def fill_energies(faces: Int, shape: Float, x: Float, energy: Float) -> None:
+    """Fill element energies [J], shape (t,), of faces with constants `shape` (t, 11): see `Membrane`."""
     for t in range(len(faces)):
-        energy[t] = energy_of(faces, shape, x, t)
+        ux, uy, uz, vx, vy, vz = _threads(faces, shape, x, t)
+        warp = sqrt(ux * ux + uy * uy + uz * uz) - 1.0
+        weft = sqrt(vx * vx + vy * vy + vz * vz) - 1.0
+        shear = ux * vx + uy * vy + uz * vz
+        k_u = shape[t, 1] if warp > 0.0 else shape[t, 1] * shape[t, 10]
+        k_v = shape[t, 2] if weft > 0.0 else shape[t, 2] * shape[t, 10]
+        density = k_u * warp * warp + k_v * weft * weft + shape[t, 3] * shear * shear
+        energy[t] = 0.5 * shape[t, 0] * density
 
 
 @packed_kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
@@ -226,7 +221,7 @@ class Membrane:
 
     def energy(self, x: Float) -> float:
         """Energy [J] at node positions x [m], shape (n, 3)."""
-        _energies(self.faces, self.shape, x, self.element_energy)
+        fill_energies(self.faces, self.shape, x, self.element_energy)
         return float(self.element_energy.sum())
 
     def evaluate_gradient(self, x: Float) -> None:
