@@ -9,6 +9,7 @@ from pathlib import Path
 
 DRAPE_KERNELS = (
     "toile.engine.forces.membrane",
+    "toile.engine.patch_energy",
     "toile.engine.assembly",
     "toile.engine.block_pattern",
     "toile.engine.linear_system",
@@ -40,7 +41,6 @@ PANEL_KERNELS = (
 )
 REMESH_KERNELS = (
     "toile.collide.patch_clearance",
-    "toile.engine.patch_energy",
     "toile.remesh.edge_size",
     "toile.remesh.choose_merges",
     "toile.remesh.smooth_curvature",
