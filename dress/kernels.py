@@ -9,7 +9,6 @@ from pathlib import Path
 
 DRAPE_KERNELS = (
     "toile.engine.forces.membrane",
-    "toile.engine.patch_energy",
     "toile.engine.assembly",
     "toile.engine.block_pattern",
     "toile.engine.linear_system",

@@ -41,8 +41,8 @@ def sphere(edge: float) -> BenchmarkScene:
     """Return a square of 1 m, edges `edge` [m] long, that falls 5 cm onto a fixed sphere of radius 0.25 m.
 
     The sphere is an icosphere of 5120 triangles whose faces are at most 0.25 mm inside the true one. Cloth
-    touches itself. Two seconds. Adaptive meshes follow every tenth frame: more often is no nearer to the
-    reference.
+    touches itself. Two seconds. Adaptive meshes follow every tenth frame, so that remeshing stays a
+    small part of the time.
     """
     ball = trimesh.creation.icosphere(subdivisions=4, radius=SPHERE_RADIUS)
     avatar = surface_of(ball)

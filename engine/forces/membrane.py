@@ -20,6 +20,7 @@ from numba import types
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import (
     F64_2,
+    F64_3,
     I32_2,
     OUT_F64_1,
     OUT_F64_2,
@@ -169,6 +170,20 @@ def _evaluate(faces: Int, shape: Float, x: Float, energy: Float, gradient: Float
                     )
 
 
+@kernel(types.void(F64_3, OUT_F64_2))
+def fill_rest_shapes(rest: Float, shape: Float) -> None:
+    """Fill rest areas and weights of derivatives in constants (t, 11), from rest corners (t, 3, 2) [m]."""
+    for t in range(len(rest)):
+        warp_1, weft_1 = rest[t, 1, 0] - rest[t, 0, 0], rest[t, 1, 1] - rest[t, 0, 1]
+        warp_2, weft_2 = rest[t, 2, 0] - rest[t, 0, 0], rest[t, 2, 1] - rest[t, 0, 1]
+        determinant = warp_1 * weft_2 - weft_1 * warp_2
+        inverse = 1.0 / determinant if abs(determinant) > 0.0 else 0.0
+        shape[t, 0] = 0.5 * abs(determinant)
+        shape[t, 5], shape[t, 6] = weft_2 * inverse, -weft_1 * inverse
+        shape[t, 8], shape[t, 9] = -warp_2 * inverse, warp_1 * inverse
+        shape[t, 4], shape[t, 7] = -shape[t, 5] - shape[t, 6], -shape[t, 8] - shape[t, 9]
+
+
 class Membrane:
     """Membrane energy of faces.
 
@@ -201,18 +216,9 @@ class Membrane:
         is the share of the stretch stiffness that acts in compression, for all faces or per face (t,).
         """
         count = len(faces)
-        first = rest_corners[:, 1] - rest_corners[:, 0]
-        second = rest_corners[:, 2] - rest_corners[:, 0]
-        determinant = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-        solid = np.abs(determinant) > 0.0
-        inverse = np.divide(1.0, determinant, out=np.zeros(count), where=solid)
         shape = np.empty((count, 11))
-        shape[:, 10] = compression
-        shape[:, 0] = 0.5 * np.abs(determinant)
-        shape[:, 1], shape[:, 2], shape[:, 3] = stretch_warp, stretch_weft, shear
-        shape[:, 5], shape[:, 6] = second[:, 1] * inverse, -first[:, 1] * inverse
-        shape[:, 8], shape[:, 9] = -second[:, 0] * inverse, first[:, 0] * inverse
-        shape[:, 4], shape[:, 7] = -shape[:, 5] - shape[:, 6], -shape[:, 8] - shape[:, 9]
+        fill_rest_shapes(np.ascontiguousarray(rest_corners, np.float64), shape)
+        shape[:, 1], shape[:, 2], shape[:, 3], shape[:, 10] = stretch_warp, stretch_weft, shear, compression
         self.faces = faces
         self.shape = shape
         self.element_energy = np.zeros(count)
