@@ -9,6 +9,7 @@ import numpy as np
 from toile.engine.cloth import Cloth
 from toile.engine.cloth_run import ClothRun
 from toile.engine.drape_plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
+from toile.engine.step import ClothStepper
 from toile.engine.step_memory import Memory
 from toile.engine.step_request import StageClock, StepOutcome, StepRequest
 from toile.geometry.arrays import Bool, Float, Int
@@ -21,6 +22,10 @@ FIRST_SHARE, GENTLE_SHARE = 0.4, 0.65
 
 STITCH_REACH, OPEN_REACH = 0.02, 0.004
 """Largest elongation of a stitch that pulls [m]; of one that is left open, which would only crumple cloth."""
+
+
+POP = 0.1
+"""How much farther a node may move after a remeshing at rest, in shortest edges: more would be seen."""
 
 
 class BeforePassing(NamedTuple):
@@ -74,6 +79,7 @@ class DrapeState(ClothRun):
         self.solid = False
         self.reach = STITCH_REACH
         self._meshed_at = cloth.positions
+        self._at_rest: tuple[Cloth, ClothStepper] | None = None
         self._frames = 0
         self.audited = -1
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
@@ -115,6 +121,7 @@ class DrapeState(ClothRun):
         from toile.engine.remeshing import remesh_run
 
         started = self.clock.now()
+        before = self.cloth, self.stepper
         request = StepRequest(
             h=self.plan.longest_step, at_rest=True, gravity=float(at_rest),
             stitch_stiffness=self.plan.late_stiffness, stitch_reach=self.reach,
@@ -125,9 +132,26 @@ class DrapeState(ClothRun):
             self.record.remeshings.append(done)
             self.record.node_counts.append(len(self.cloth.positions))
             self.ghost = np.zeros(len(self.cloth.node), bool)
+            self._at_rest = before if at_rest else None
         self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", started)
         return done is not None
+
+    def keep_mesh(self, pop: float) -> bool:
+        """Keep the mesh of a remeshing at rest; return False where the drape goes back to the one before.
+
+        `pop` is how much farther a node moved in the first step on it than in the last on the one before [m].
+        """
+        assert self.plan.sizing is not None and self._at_rest is not None
+        before, self._at_rest = self._at_rest, None
+        if pop <= POP * self.plan.sizing.size_min:
+            self.record.pop = max(self.record.pop, pop)
+            return True
+        self.cloth, self.stepper = before
+        self.ghost = np.zeros(len(self.cloth.node), bool)
+        self.record.remeshings.pop()
+        self.record.node_counts.pop()
+        return False
 
     def needs_remeshing(self, finished: bool) -> bool:
         """Whether the cloth has moved so far since it was meshed that its mesh may not fit any more."""

@@ -57,15 +57,17 @@ def settle(drape: DrapeState) -> None:
             drape.phase = "settling"
             before, span = drape.stepper.x.copy(), 0.0
             here, last = before, np.zeros_like(before)
+            remeshed_at_rest = False
         outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
                 cg_tolerance=plan.cg_tolerance, move_share=share,
             )
         )  # fmt: skip
-        if remeshed_at_rest:
-            record.pop = max(record.pop, float(outcome.moved.max()) - farthest)
-            remeshed_at_rest = False
+        if remeshed_at_rest and not drape.keep_mesh(float(outcome.moved.max()) - farthest):
+            record.converged = True
+            break
+        remeshed_at_rest = False
         farthest = float(outcome.moved.max())
         peak = float(np.quantile(outcome.moved, 0.999))
         span += share * h
