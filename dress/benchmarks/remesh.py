@@ -3,7 +3,8 @@
 Every scene runs on uniform meshes from the finest edges to several times those, on an adaptive mesh between
 the finest and twenty times them, and on a uniform reference of half of them. The error is the mean distance
 of the surface from the reference, in films the mean over time, or, where the motion is chaotic, the
-difference of the drape coefficient; the error of a uniform mesh that takes as long as the adaptive one is
+difference of the drape coefficient; beside it stands how strongly the surface is folded in the end, wherever
+its folds lie. The error of a uniform mesh that takes as long as the adaptive one is
 read between those of the uniform runs on logarithmic scales.
 """
 
@@ -14,6 +15,7 @@ from statistics import mean, median
 
 import numpy as np
 
+from toile.dress.benchmarks.fold_turn import fold_turn
 from toile.dress.benchmarks.run import Run, run_film, run_shirt
 from toile.dress.benchmarks.scenes import SCENES
 from toile.dress.benchmarks.surface_distance import mean_surface_distance
@@ -48,13 +50,14 @@ OWN_BARS = {"hang": {"cpu_ratio": (1.0, "at least")}, "shirt": {"cpu_ratio": (3.
 
 @dataclass(frozen=True, kw_only=True)
 class Rung:
-    """A uniform mesh: edge [m], CPU time [s] (the first: median), mean faces, error, distance [mm]."""
+    """A uniform mesh: edge [m], CPU time [s] (the first: median), mean faces, error, distance [mm], turn."""
 
     edge: float
     cpu: float
     faces: float
     error: float
     distance: float
+    turn: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +65,8 @@ class Row:
     """One scene: adaptive against uniform, as the bars name it, and the figures behind the ratios.
 
     CPU seconds are medians over the repeats; their spread is longest less shortest over the median. Distances
-    are those of the surfaces from the reference, mean over a film [mm], whatever the error is.
+    are those of the surfaces from the reference, mean over a film [mm], whatever the error is; turns those of
+    the last surfaces [rad/m]: see `fold_turn`.
     """
 
     scene: str
@@ -81,6 +85,8 @@ class Row:
     error_unit: str
     error_adaptive: float
     distance_adaptive: float
+    turn_adaptive: float
+    turn_reference: float
     uniform: tuple[Rung, ...]
 
     def bars(self) -> dict[str, tuple[float, str]]:
@@ -136,7 +142,10 @@ def bench_scene(
     for edge, runs in zip(edges, uniform, strict=True):
         error, distance = compared(runs[0])
         cpu = median(one.cpu for one in runs)
-        ladder.append(Rung(edge=edge, cpu=cpu, faces=runs[0].faces, error=error, distance=distance))
+        turn = fold_turn(*runs[0].surfaces[-1])
+        ladder.append(
+            Rung(edge=edge, cpu=cpu, faces=runs[0].faces, error=error, distance=distance, turn=turn)
+        )
     times = [one.cpu for one in adaptive]
     cpu_adaptive = median(times)
     error_adaptive, distance_adaptive = compared(adaptive[0])
@@ -157,6 +166,8 @@ def bench_scene(
         error_unit="drape coefficient" if name in CHAOTIC else "mm",
         error_adaptive=error_adaptive,
         distance_adaptive=distance_adaptive,
+        turn_adaptive=fold_turn(*adaptive[0].surfaces[-1]),
+        turn_reference=fold_turn(*reference.surfaces[-1]),
         uniform=tuple(ladder),
     )
 
@@ -180,12 +191,13 @@ def table(rows: list[Row]) -> str:
             f"{row.scene:8}{cells}",
             f"        adaptive: CPU {row.cpu_adaptive:.1f} s (spread {100 * row.cpu_spread:.0f} %), "
             f"{row.faces_adaptive:.0f} faces, error {row.error_adaptive:.3g} {row.error_unit}, "
-            f"distance {row.distance_adaptive:.3g} mm, "
+            f"distance {row.distance_adaptive:.3g} mm, turn {row.turn_adaptive:.3g} rad/m, "
             f"largest fall of the elastic energy in a remeshing {100 * row.energy_drop:.1f} %; "
-            f"reference: CPU {row.cpu_reference:.1f} s",
+            f"reference: CPU {row.cpu_reference:.1f} s, turn {row.turn_reference:.3g} rad/m",
             *(
                 f"        uniform {1e3 * rung.edge:g} mm: CPU {rung.cpu:.1f} s, {rung.faces:.0f} faces, "
-                f"error {rung.error:.3g} {row.error_unit}, distance {rung.distance:.3g} mm"
+                f"error {rung.error:.3g} {row.error_unit}, distance {rung.distance:.3g} mm, "
+                f"turn {rung.turn:.3g} rad/m"
                 for rung in row.uniform
             ),
         ]

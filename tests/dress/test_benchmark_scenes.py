@@ -49,7 +49,7 @@ def test_the_flag_is_held_by_its_short_edge_in_wind_and_the_sheet_by_two_corners
 
 def test_a_uniform_mesh_of_some_time_lies_between_those_of_the_ladder_on_logarithmic_scales() -> None:
     ladder = tuple(
-        Rung(edge=0.1, cpu=cpu, faces=100.0, error=error, distance=error)
+        Rung(edge=0.1, cpu=cpu, faces=100.0, error=error, distance=error, turn=0.0)
         for cpu, error in ((100.0, 1.0), (1.0, 100.0))
     )
     assert error_at(ladder, 10.0) == pytest.approx(10.0)
