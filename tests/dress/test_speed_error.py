@@ -302,6 +302,7 @@ def test_the_study_of_adaptive_meshes_keeps_its_options_and_exit_code(
             scene=name, cpu_ratio=10.0, face_ratio=0.1, error_ratio=3.0, remesh_share=0.01, energy_jump=0.0,
             energy_drop=0.0, crossings=crossings, repeats=repeats, cpu_adaptive=1.0, cpu_reference=9.0,
             cpu_spread=0.0, faces_adaptive=100.0, error_unit="mm", error_adaptive=1.0, distance_adaptive=1.0,
+            turn_adaptive=2.0, turn_reference=2.0,
             uniform=(),
         )  # fmt: skip
 
