@@ -97,18 +97,20 @@ def _draft(folder: Path) -> None:
     """Draft a pattern to the body of a folder and place it; it becomes draft.npz."""
     import numpy as np
 
-    from toile.dress.dress import SEWING_COARSENESS, load_scene_avatar
+    from toile.dress.dress import load_scene_avatar
     from toile.dress.dress_form import DressForm
     from toile.dress.garment_source import check_source, default_name, load_garment
-    from toile.dress.quality import quality_preset
+    from toile.dress.quality import COARSEST, quality_preset
     from toile.dress.scene_file import load_scene
+    from toile.dress.sewing_edges import sewing_edges
 
     scene = load_scene(folder / "scene.toml")
     garment = scene.garments[0]
     check_source(garment)
     avatar = load_scene_avatar(scene)
     finest = scene.edge_length or quality_preset(scene.quality).edge_length
-    mesh = load_garment(garment, default_name(garment), DressForm(avatar), SEWING_COARSENESS[0] * finest)
+    sewn = sewing_edges(finest, COARSEST * finest)[0]
+    mesh = load_garment(garment, default_name(garment), DressForm(avatar), sewn)
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
     np.savez(
         folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,

@@ -27,6 +27,7 @@ from toile.dress.quality import quality_preset
 from toile.dress.report import drape_report, with_animation
 from toile.dress.result import DressedGarment, Record, Result, file_stem, save_report, save_shapes
 from toile.dress.scene import AvatarFile, MannequinSize, Scene
+from toile.dress.sewing_edges import SewingEdges, sewing_edges
 from toile.dress.suggestion import unknown_name
 from toile.dress.writers.atomic import writable_folder
 from toile.engine.fabric import Fabric
@@ -39,10 +40,8 @@ if TYPE_CHECKING:
 Say = Callable[[str], None]
 FOLLOWS = ("converged", "frame_limit")
 """States of a drape after which garments follow an avatar that moves."""
-SEWING_COARSENESS = 1.75, 2.0, 1.5, 2.25, 1.25, 1.0
-"""Edge length in which a garment is sewn, in finest edges of an adaptive mesh; the next if seams jam."""
 SEWING_FINENESS = 1.0, 0.92
-"""The same in edges as asked for, where the mesh stays: seams that jam in one may close in another."""
+"""Edge length in which a garment is sewn whose mesh stays, in edges as asked for; the next if seams jam."""
 
 
 def dress(
@@ -166,15 +165,15 @@ def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None
     from toile.dress.drape import drape
 
     spent: dict[str, float] = {}
-    edge_lengths = _sewing_edge_lengths(scene, sizing)
-    for edge_length in edge_lengths:
+    attempts = _sewing_edges(scene, sizing)
+    for edges in attempts:
         meshing = time.perf_counter()
         meshes = [
-            load_garment(garment, name, form, edge_length)
+            load_garment(garment, name, form, edges)
             for garment, name in zip(scene.garments, names, strict=True)
         ]
         options = DrapeOptions(
-            edge_length=edge_length,
+            edge_length=edges.length,
             max_frames=scene.max_frames or quality.max_frames,
             tolerance=quality.tolerance,
             sizing=sizing,
@@ -187,11 +186,11 @@ def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None
                 for mesh, garment in zip(meshes, scene.garments, strict=True)
             ),
             self_contact=tuple(garment.self_contact for garment in scene.garments),
-            persistent=edge_length == edge_lengths[-1],
+            persistent=edges == attempts[-1],
         )
         io_seconds += time.perf_counter() - meshing
         cloth = list(zip(meshes, cloth_fabrics, strict=True))
-        if checkpoint is not None and edge_length == edge_lengths[0]:
+        if checkpoint is not None and edges == attempts[0]:
             # Not before all is read: a slip of the pen must not wipe out a run that can be taken up.
             checkpoint.begin(scene)
         outcome = drape(form, cloth, options, _frame_callback(progress, options.tolerance))
@@ -200,7 +199,7 @@ def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None
         if not outcome.gave_up:
             break
         if say is not None:
-            say(f"seams jammed in triangles of {1e3 * edge_length:g} mm; sewing again in others")
+            say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
     if say is not None:
         for note in outcome.notes:
             say(note)
@@ -245,13 +244,12 @@ def _sizing(scene: Scene) -> SizingOptions | None:
     return quality.sizing(scene.edge_length or quality.edge_length)
 
 
-def _sewing_edge_lengths(scene: Scene, sizing: SizingOptions | None) -> list[float]:
-    """Return the edge lengths [m] in which the garments are sewn, one after the other until seams close."""
+def _sewing_edges(scene: Scene, sizing: SizingOptions | None) -> list[SewingEdges]:
+    """Return the edges in which the garments are sewn, one after the other until seams close."""
     if sizing is None:
         asked = scene.edge_length or quality_preset(scene.quality).edge_length
-        return [factor * asked for factor in SEWING_FINENESS]
-    lengths = (min(factor * sizing.size_min, sizing.size_max) for factor in SEWING_COARSENESS)
-    return list(dict.fromkeys(lengths))
+        return [SewingEdges(factor * asked, factor * asked) for factor in SEWING_FINENESS]
+    return sewing_edges(sizing.size_min, sizing.size_max)
 
 
 def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:

@@ -13,6 +13,7 @@ from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dress.patterns import built_in, built_in_names
 from toile.dress.scene import Garment
+from toile.dress.sewing_edges import SewingEdges
 from toile.dress.suggestion import unknown_name
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -57,9 +58,9 @@ def default_name(garment: Garment) -> str:
     return name or Path(garment.source).name.split(".")[0].removesuffix("_specification")
 
 
-def load_garment(garment: Garment, name: str, form: DressForm, edge_length: float) -> GarmentMesh:
+def load_garment(garment: Garment, name: str, form: DressForm, edges: SewingEdges) -> GarmentMesh:
     """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
-    mesh = replace(_mesh_of(garment, form, edge_length), name=name)
+    mesh = replace(_mesh_of(garment, form, edges), name=name)
     _check_place(mesh, form.avatar)
     return turn_warp(mesh, garment.warp_angle)
 
@@ -103,7 +104,7 @@ def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentM
     return replace(mesh, rest_corners=np.ascontiguousarray(turned))
 
 
-def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMesh:
+def _mesh_of(garment: Garment, form: DressForm, edges: SewingEdges) -> GarmentMesh:
     """Return the mesh of a checked source."""
     source = garment.source
     if isinstance(source, GarmentMesh):
@@ -113,16 +114,18 @@ def _mesh_of(garment: Garment, form: DressForm, edge_length: float) -> GarmentMe
         from toile.dress.mesh_garment import read_mesh_garment
 
         return read_mesh_garment(
-            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edge_length
+            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edges.length
         )
     from toile.dress.pattern_mesh import mesh_pattern
 
     name = built_in_name(source)
     if name:
-        return mesh_pattern(built_in(name, form.measurements), edge_length=edge_length)
-    from toile.dress.garmentcode import read_garmentcode
+        pattern = built_in(name, form.measurements)
+    else:
+        from toile.dress.garmentcode import read_garmentcode
 
-    return mesh_pattern(read_garmentcode(source), edge_length=edge_length)
+        pattern = read_garmentcode(source)
+    return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:

@@ -41,6 +41,15 @@ def edge_points(panel: Panel, edge: int, segments: int) -> Float:
     return np.ascontiguousarray(points)
 
 
+def sagitta(panel: Panel, edge: int, segments: int) -> float:
+    """Largest distance [m] of one edge from the chords between points spaced evenly along it."""
+    if panel.edges[edge].curve is None:
+        return 0.0
+    points = edge_points(panel, edge, 2 * segments)
+    middles = 0.5 * (points[:-1:2] + points[2::2])
+    return float(np.linalg.norm(points[1::2] - middles, axis=1).max())
+
+
 def relative_point(start: Point, end: Point, point: Point) -> Point:
     """Absolute point to (u, v) of start + u d + v q, d = end - start, q = (-d_y, d_x)."""
     dx, dy = end[0] - start[0], end[1] - start[1]

@@ -7,6 +7,7 @@ import numpy as np
 from toile.dress.garment_mesh import GarmentMesh
 from toile.dress.pattern import Panel, Pattern
 from toile.dress.pattern_curve import edge_length as length_of
+from toile.dress.pattern_curve import sagitta
 from toile.dress.pattern_outline import crossing_sides, outline, signed_area, to_world
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -20,10 +21,17 @@ NEGLIGIBLE = 0.2
 
 A side of half a millimetre among sides of ten would ask for a nest of tiny triangles.
 """
+ROUND = 0.00025
+"""How far a curved edge may lie from the straight sides that stand for it without shorter ones [m]."""
 
 
-def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:
+def mesh_pattern(
+    pattern: Pattern, *, edge_length: float, curve_edge_length: float | None = None
+) -> GarmentMesh:
     """Triangulate every panel at about `edge_length` [m], place it, and match vertices along the stitches.
+
+    Curved edges may have shorter sides, down to `curve_edge_length` [m]: an adaptive mesh splits its border,
+    but never rounds it.
 
     Raises
     ------
@@ -32,7 +40,7 @@ def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:
     """
     if not (math.isfinite(edge_length) and edge_length > 0.0):
         raise InputError(f"edge_length must be a positive number of metres, got {edge_length}")
-    segments = matched_segments(pattern, edge_length)
+    segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
     positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
     count = 0
     for index, panel in enumerate(pattern.panels):
@@ -67,9 +75,11 @@ def mesh_pattern(pattern: Pattern, *, edge_length: float) -> GarmentMesh:
     )
 
 
-def matched_segments(pattern: Pattern, edge_length: float) -> Segments:
-    """Segments per edge: as many as `edge_length` asks for; on both sides of a stitch those of the longer."""
-    segments = {panel.name: _wanted_segments(panel, edge_length) for panel in pattern.panels}
+def matched_segments(pattern: Pattern, edge_length: float, curve_edge_length: float) -> Segments:
+    """Segments per edge: as many as the lengths ask for; on both sides of a stitch those of the longer."""
+    segments = {
+        panel.name: _wanted_segments(panel, edge_length, curve_edge_length) for panel in pattern.panels
+    }
     for stitch in pattern.stitches:
         most = max(segments[stitch.panel_a][stitch.edge_a], segments[stitch.panel_b][stitch.edge_b])
         segments[stitch.panel_a][stitch.edge_a] = most
@@ -77,10 +87,14 @@ def matched_segments(pattern: Pattern, edge_length: float) -> Segments:
     return segments
 
 
-def _wanted_segments(panel: Panel, edge_length: float) -> list[int]:
+def _wanted_segments(panel: Panel, edge_length: float, curve_edge_length: float) -> list[int]:
     lengths = [length_of(panel, i) / edge_length for i in range(len(panel.edges))]
     # The slack keeps two edges that differ by rounding from getting different numbers.
     counts = [0 if length < NEGLIGIBLE else max(1, math.ceil(length - 1e-6)) for length in lengths]
+    for i, count in enumerate(counts):
+        most = math.ceil(lengths[i] * edge_length / curve_edge_length - 1e-6)
+        while count and counts[i] < most and sagitta(panel, i, counts[i]) > ROUND:
+            counts[i] += 1
     return counts if sum(counts) >= 4 else [max(1, count) for count in counts]
 
 

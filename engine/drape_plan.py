@@ -142,7 +142,8 @@ class DrapeRecord:
 
     `crossings` counts crossing pairs (avatar, cloth) per audited frame; `settled_crossings` only those of
     output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies. `pop`
-    is how much farther a node moved in the step after a kept remeshing at rest than in the one before [m].
+    is how much farther a node moved in the step after a remeshing at rest than in the one before [m]; the
+    first such remeshing does not count.
     """
 
     steps: int = 0

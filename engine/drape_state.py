@@ -25,7 +25,8 @@ STITCH_REACH, OPEN_REACH = 0.02, 0.004
 
 
 POP = 0.1
-"""How much farther a node may move after a remeshing at rest, in shortest edges: more would be seen."""
+"""How much farther a node of a settled drape may move after a remeshing, in shortest edges: more would be
+seen."""
 
 
 class BeforePassing(NamedTuple):
@@ -79,7 +80,8 @@ class DrapeState(ClothRun):
         self.solid = False
         self.reach = STITCH_REACH
         self._meshed_at = cloth.positions
-        self._at_rest: tuple[Cloth, ClothStepper] | None = None
+        self._before: tuple[Cloth, ClothStepper] | None = None
+        self._fitted = False
         self._frames = 0
         self.audited = -1
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
@@ -132,7 +134,7 @@ class DrapeState(ClothRun):
             self.record.remeshings.append(done)
             self.record.node_counts.append(len(self.cloth.positions))
             self.ghost = np.zeros(len(self.cloth.node), bool)
-            self._at_rest = before if at_rest else None
+            self._before = before if at_rest else None
         self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", started)
         return done is not None
@@ -141,9 +143,13 @@ class DrapeState(ClothRun):
         """Keep the mesh of a remeshing at rest; return False where the drape goes back to the one before.
 
         `pop` is how much farther a node moved in the first step on it than in the last on the one before [m].
+        The first mesh that is fitted to cloth at rest is kept anyway: before, the drape is not settled.
         """
-        assert self.plan.sizing is not None and self._at_rest is not None
-        before, self._at_rest = self._at_rest, None
+        assert self.plan.sizing is not None and self._before is not None
+        before, self._before = self._before, None
+        if not self._fitted:
+            self._fitted = True
+            return True
         if pop <= POP * self.plan.sizing.size_min:
             self.record.pop = max(self.record.pop, pop)
             return True

@@ -5,7 +5,7 @@ import numpy as np
 from toile.engine.drape_state import DrapeState
 from toile.engine.forces.hold import Holds
 from toile.engine.merging import merge_late
-from toile.engine.step_request import StepRequest
+from toile.engine.step_request import MOTION_MAX, StepOutcome, StepRequest
 from toile.engine.tangles import relax_tangles
 from toile.geometry.arrays import Float
 
@@ -13,6 +13,9 @@ LONG = 0.5
 """Steps that are long enough for equilibrium, on average over a frame, as a share of the longest."""
 CALMER, LEAST_SHARE = 0.8, 0.25
 """Factor on the share of a displacement that is carried out when steps undo each other, and its least."""
+FARTHER, LEAST_MOTION = 2.0, 1e-3
+"""Longest motion of a node that a step may ask for, in that of the step before, and at least [m]: contacts
+are searched for all that it asks for, and it is cut down then to what lowers the energy."""
 UNDOING = 0.2
 """Correlation with the last step from which a step is said to undo it."""
 
@@ -27,17 +30,18 @@ def ease(drape: DrapeState) -> None:
     np.add.at(start, drape.cloth.node, drape.cloth.start_positions)
     start /= np.bincount(drape.cloth.node, minlength=len(start))[:, None]
     stepper.holds = Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1)))
-    h = plan.sewing_step
+    h, motion_max = plan.sewing_step, MOTION_MAX
     for _ in range(plan.easing_steps):
         if drape.stopped():
             return
-        drape.take(
+        outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, friction=False, hold_stiffness=plan.waist_stiffness,
                 stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
-                cg_tolerance=plan.cg_tolerance,
+                cg_tolerance=plan.cg_tolerance, motion_max=motion_max,
             )
         )  # fmt: skip
+        motion_max = _may_move(outcome)
         h = min(1.2 * h, plan.longest_step)
     stepper.holds = None
 
@@ -45,7 +49,7 @@ def ease(drape: DrapeState) -> None:
 def settle(drape: DrapeState) -> None:
     """Step to equilibrium: no node moves any more over a whole frame of steps."""
     plan, record = drape.plan, drape.record
-    h = plan.settling_step
+    h, motion_max = plan.settling_step, MOTION_MAX
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
     span, share = 0.0, 1.0
@@ -61,9 +65,10 @@ def settle(drape: DrapeState) -> None:
         outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
-                cg_tolerance=plan.cg_tolerance, move_share=share,
+                cg_tolerance=plan.cg_tolerance, move_share=share, motion_max=motion_max,
             )
         )  # fmt: skip
+        motion_max = _may_move(outcome)
         if remeshed_at_rest and not drape.keep_mesh(float(outcome.moved.max()) - farthest):
             record.converged = True
             break
@@ -96,6 +101,11 @@ def settle(drape: DrapeState) -> None:
                 remeshed_at_rest = settled
             if record.converged:
                 break
+
+
+def _may_move(last: StepOutcome) -> float:
+    """Longest motion of a node that the next step may ask for [m]."""
+    return min(MOTION_MAX, max(LEAST_MOTION, FARTHER * float(last.moved.max())))
 
 
 def _undoes(move: Float, last: Float) -> bool:

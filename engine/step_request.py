@@ -49,6 +49,10 @@ class StepOptions:
     friction: Mapping[frozenset[str], float] = field(default_factory=dict)
 
 
+MOTION_MAX = 0.03
+"""Longest motion of a node in one Newton iteration, unless told [m]."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class StepRequest:
     """What one step is to do.
@@ -111,7 +115,7 @@ class StepRequest:
     newton_tolerance: float = 1e-5
     cg_tolerance: float = 1e-2
     cg_iterations: int = 300
-    motion_max: float = 0.03
+    motion_max: float = MOTION_MAX
     avatar_target: Float | None = None
     pin_target: Float | None = None
     seconds: float = 0.0

@@ -15,9 +15,10 @@ import trimesh
 import toile
 from toile.dress.avatar import Avatar
 from toile.dress.cli import main
-from toile.dress.dress import SEWING_COARSENESS, SEWING_FINENESS
+from toile.dress.dress import SEWING_FINENESS
 from toile.dress.kernels import REMESH_KERNELS
 from toile.dress.quality import quality_preset
+from toile.dress.sewing_edges import SEWING_COARSENESS
 
 FakeDrapes = Callable[..., Any]
 FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply"}

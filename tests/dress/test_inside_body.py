@@ -12,6 +12,7 @@ from toile.dress.garment_source import load_garment
 from toile.dress.inside_body import faces_inside
 from toile.dress.mesh_garment import read_mesh_garment
 from toile.dress.scene import Garment
+from toile.dress.sewing_edges import SewingEdges
 from toile.geometry.errors import InputError
 
 
@@ -55,5 +56,5 @@ def test_the_message_names_garment_and_faces(tmp_path: Path) -> None:
     np.savez(path, vertices=mesh.vertices, faces=mesh.faces, polygon=100 + np.arange(count))
     garment = Garment(path)
     with pytest.raises(InputError, match="'rings' has a piece that starts inside the body") as caught:
-        load_garment(garment, "rings", DressForm(ball()), 0.05)
+        load_garment(garment, "rings", DressForm(ball()), SewingEdges(0.05, 0.05))
     assert set(caught.value.faces) == set(range(100 + count // 2, 100 + count))

@@ -14,6 +14,7 @@ from toile.dress.mannequin import mannequin
 from toile.dress.mesh_garment import read_mesh_garment
 from toile.dress.result import DressedGarment
 from toile.dress.scene import AvatarFile, Garment, Scene
+from toile.dress.sewing_edges import SewingEdges
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.remesh.sizing import SizingOptions
@@ -43,7 +44,7 @@ def write(folder: Path, **arrays: Any) -> Path:
 def test_a_drafted_pattern_comes_back_as_it_was(tmp_path: Path) -> None:
     """Panels, warp, stitches and labels survive the way through arrays, as a program would give them."""
     form = DressForm(mannequin())
-    drafted = load_garment(Garment("tshirt"), "tshirt", form, 0.03)
+    drafted = load_garment(Garment("tshirt"), "tshirt", form, SewingEdges(0.03, 0.03))
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in drafted.held.items()}
     path = write(
         tmp_path, vertices=drafted.positions, faces=drafted.faces, uv=drafted.uv, uv_faces=drafted.faces,

@@ -10,6 +10,7 @@ from toile.dress.benchmarks.flat_meshes import mesh
 from toile.engine import drape_state
 from toile.engine.drape import Drape
 from toile.engine.drape_plan import DrapePlan
+from toile.engine.drape_state import DrapeState
 
 
 def hung() -> Drape:
@@ -35,13 +36,23 @@ def test_no_node_moves_far_after_a_pass_that_is_kept() -> None:
     assert max(map(sum, record.crossings)) == 0
 
 
-def test_a_pass_at_rest_that_pops_is_undone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where no motion at all is allowed, none is kept; the drape ends at rest on the mesh it had."""
+def test_a_pass_that_pops_is_undone_once_the_mesh_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no motion at all is allowed, the first at rest is kept and no other; the drape ends at rest."""
     monkeypatch.setattr(drape_state, "POP", -1.0)
     monkeypatch.setattr(drape_state, "MOVED", 1e9)
+    monkeypatch.setattr(drape_state, "MOVED_AT_END", -1.0)
+    kept: list[bool] = []
+    keep_mesh = DrapeState.keep_mesh
+
+    def noted(drape: DrapeState, pop: float) -> bool:
+        kept.append(keep_mesh(drape, pop))
+        return kept[-1]
+
+    monkeypatch.setattr(DrapeState, "keep_mesh", noted)
     drape = hung()
     record = drape.record
-    assert record.converged and not record.remeshings and record.pop == 0.0
-    assert len(drape.cloth.faces) == record.first_faces
-    assert record.node_counts == [len(drape.cloth.positions)]
+    assert kept == [True, False]
+    assert record.converged and len(record.remeshings) == 1 and record.pop == 0.0
+    assert len(drape.cloth.faces) == record.remeshings[0].faces != record.first_faces
+    assert len(record.node_counts) == 2 and record.node_counts[-1] == len(drape.cloth.positions)
     assert drape.stepper.x.shape == drape.cloth.positions.shape

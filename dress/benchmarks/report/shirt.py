@@ -17,13 +17,13 @@ from toile.dress.benchmarks.run import load_all_kernels
 from toile.dress.benchmarks.surface_distance import mean_surface_distance
 from toile.dress.drape import drape
 from toile.dress.drape_types import DrapeOptions, FrameState
-from toile.dress.dress import SEWING_COARSENESS
 from toile.dress.dress_form import DressForm
 from toile.dress.fabrics import DEFAULT_FABRIC, fabric
 from toile.dress.garment_source import load_garment
 from toile.dress.mannequin import mannequin
 from toile.dress.quality import QUALITIES, Quality
 from toile.dress.scene import Garment
+from toile.dress.sewing_edges import SewingEdges, sewing_edges
 from toile.geometry.arrays import Float, Int
 
 AT_REST, PATIENCE = 3e-5, 1000
@@ -79,11 +79,14 @@ class Fitting:
             name=way.label, edge_length=way.edge, max_frames=way.max_frames, refine_angle=way.angle,
             tolerance=way.tolerance,
         )  # fmt: skip
-        sewn = way.edge * (SEWING_COARSENESS[0] if way.adaptive else 1.0)
+        sizing = quality.sizing(way.edge) if way.adaptive else None
+        sewn = SewingEdges(way.edge, way.edge)
+        if sizing is not None:
+            sewn = sewing_edges(way.edge, sizing.size_max)[0]
         mesh = load_garment(Garment("tshirt"), "tshirt", self._form, sewn)
         options = DrapeOptions(
-            edge_length=sewn, max_frames=quality.max_frames, tolerance=quality.tolerance,
-            sizing=quality.sizing(way.edge) if way.adaptive else None, self_contact=(way.self_contact,),
+            edge_length=sewn.length, max_frames=quality.max_frames, tolerance=quality.tolerance,
+            sizing=sizing, self_contact=(way.self_contact,),
         )  # fmt: skip
         faces = []
 
