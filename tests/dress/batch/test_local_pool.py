@@ -111,8 +111,9 @@ def test_a_call_that_had_not_started_is_not_lost(pool: LocalPool) -> None:
     """The one at hand in the server that was killed runs in the next."""
     pool.start("runs", sleep, 60.0, Limits())
     pool.start("waits", double, 4, Limits())
-    time.sleep(1.0)
-    below = children_of(server_of(pool))
+    until = time.monotonic() + 30.0
+    while len(below := children_of(server_of(pool))) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
     pool.kill()
     found = dict(pool.wait(10.0))
     assert {key: end.how for key, end in found.items()} == {"runs": "lost"}
