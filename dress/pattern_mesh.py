@@ -88,14 +88,20 @@ def matched_segments(pattern: Pattern, edge_length: float, curve_edge_length: fl
 
 
 def _wanted_segments(panel: Panel, edge_length: float, curve_edge_length: float) -> list[int]:
-    lengths = [length_of(panel, i) / edge_length for i in range(len(panel.edges))]
-    # The slack keeps two edges that differ by rounding from getting different numbers.
-    counts = [0 if length < NEGLIGIBLE else max(1, math.ceil(length - 1e-6)) for length in lengths]
-    for i, count in enumerate(counts):
-        most = math.ceil(lengths[i] * edge_length / curve_edge_length - 1e-6)
-        while count and counts[i] < most and sagitta(panel, i, counts[i]) > ROUND:
-            counts[i] += 1
+    counts = [_sides(panel, i, edge_length, curve_edge_length) for i in range(len(panel.edges))]
     return counts if sum(counts) >= 4 else [max(1, count) for count in counts]
+
+
+def _sides(panel: Panel, edge: int, edge_length: float, curve_edge_length: float) -> int:
+    """Segments of one edge by its own length and roundness; 0 where it shrinks to one vertex."""
+    length = length_of(panel, edge)
+    if length / edge_length < NEGLIGIBLE:
+        return 0
+    # The slack keeps two edges that differ by rounding from getting different numbers.
+    count, most = (max(1, math.ceil(length / side - 1e-6)) for side in (edge_length, curve_edge_length))
+    while count < most and sagitta(panel, edge, count) > ROUND:
+        count += 1
+    return count
 
 
 def stitch_pairs(pattern: Pattern, segments: Segments, first: dict[str, int]) -> tuple[Int, Int]:

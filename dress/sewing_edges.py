@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 SEWING_COARSENESS = 1.75, 2.0, 1.5, 2.25, 1.25, 1.0
-"""Edges in which a garment is sewn, in the finest ones of a preview; the next if seams jam."""
+"""Edges in which a garment is sewn, in the finest ones, or in longer ones where those are below `SEWN`; the
+next if seams jam."""
 SEWN = 0.024
-"""Edges in which seams close as surely as in shorter ones, in half the time [m]."""
+"""Edges in which seams close as surely as in shorter ones, in two thirds of the time [m]."""
 COARSEST_SEWN = 4.0
 """The same in finest edges at most: garments for dolls are small all over."""
 

@@ -23,7 +23,6 @@ FIRST_SHARE, GENTLE_SHARE = 0.4, 0.65
 STITCH_REACH, OPEN_REACH = 0.02, 0.004
 """Largest elongation of a stitch that pulls [m]; of one that is left open, which would only crumple cloth."""
 
-
 POP = 0.1
 """How much farther a node of a settled drape may move after a remeshing, in shortest edges: more would be
 seen."""
@@ -107,6 +106,7 @@ class DrapeState(ClothRun):
     def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
         """Go on with a cloth of another topology."""
         super().restart(cloth, anchors, memory)
+        self._before = None
         self._meshed_at = self.stepper.x.copy()
         self.record.node_counts.append(len(cloth.positions))
         self.let_pass(self.ghost, self.avatar_ghost)
@@ -140,12 +140,13 @@ class DrapeState(ClothRun):
         return done is not None
 
     def keep_mesh(self, pop: float) -> bool:
-        """Keep the mesh of a remeshing at rest; return False where the drape goes back to the one before.
+        """Keep the mesh; return False where a remeshing at rest, just made, is taken back instead.
 
         `pop` is how much farther a node moved in the first step on it than in the last on the one before [m].
         The first mesh that is fitted to cloth at rest is kept anyway: before, the drape is not settled.
         """
-        assert self.plan.sizing is not None and self._before is not None
+        if self.plan.sizing is None or self._before is None:
+            return True
         before, self._before = self._before, None
         if not self._fitted:
             self._fitted = True

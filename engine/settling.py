@@ -53,7 +53,7 @@ def settle(drape: DrapeState) -> None:
     before = drape.stepper.x.copy()
     here, last = before, np.zeros_like(before)
     span, share = 0.0, 1.0
-    farthest, remeshed_at_rest = 0.0, False
+    farthest = 0.0
     while not drape.stopped():
         if merge_late(drape):
             drape.phase = "sewing"
@@ -61,7 +61,6 @@ def settle(drape: DrapeState) -> None:
             drape.phase = "settling"
             before, span = drape.stepper.x.copy(), 0.0
             here, last = before, np.zeros_like(before)
-            remeshed_at_rest = False
         outcome = drape.take(
             StepRequest(
                 h=h, at_rest=True, stitch_stiffness=plan.late_stiffness, stitch_reach=drape.reach,
@@ -69,10 +68,9 @@ def settle(drape: DrapeState) -> None:
             )
         )  # fmt: skip
         motion_max = _may_move(outcome)
-        if remeshed_at_rest and not drape.keep_mesh(float(outcome.moved.max()) - farthest):
+        if not drape.keep_mesh(float(outcome.moved.max()) - farthest):
             record.converged = True
             break
-        remeshed_at_rest = False
         farthest = float(outcome.moved.max())
         peak = float(np.quantile(outcome.moved, 0.999))
         span += share * h
@@ -98,7 +96,6 @@ def settle(drape: DrapeState) -> None:
             if drape.needs_remeshing(settled) and drape.remesh(settled):
                 before, record.converged = drape.stepper.x.copy(), False
                 here, last = before, np.zeros_like(before)
-                remeshed_at_rest = settled
             if record.converged:
                 break
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from toile.dress.mesh_garment import flattened, warp_directions
 from toile.geometry.arrays import Float, Int
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import triangle_topology
@@ -17,14 +18,9 @@ def fold_turn(positions: Float, faces: Int) -> float:
     """
     places, vertex = np.unique(positions, axis=0, return_inverse=True)
     faces = np.ascontiguousarray(vertex.reshape(-1)[faces], np.int32)
-    sides = places[faces[:, 1:]] - places[faces[:, :1]]
-    along = np.linalg.norm(sides[:, 0], axis=1)
-    double = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    flat = np.zeros((len(faces), 3, 2))
-    flat[:, 1, 0] = along
-    flat[:, 2, 0] = np.einsum("ti,ti->t", sides[:, 0], sides[:, 1]) / along
-    flat[:, 2, 1] = double / along
+    corners = places[faces]
+    flat = flattened(corners, warp_directions(corners, None))
     patches = bending_patches(faces, flat, triangle_topology(faces), len(places))
     bent = (patches.second_derivatives @ places).reshape(-1, 3, 3)
     turn = np.sqrt(np.einsum("tai,tai,a->t", bent, bent, [1.0, 1.0, 2.0]))
-    return float(np.average(turn, weights=double))
+    return float(np.average(turn, weights=patches.areas))

@@ -45,8 +45,11 @@ def test_a_pass_that_pops_is_undone_once_the_mesh_is_fitted(monkeypatch: pytest.
     keep_mesh = DrapeState.keep_mesh
 
     def noted(drape: DrapeState, pop: float) -> bool:
-        kept.append(keep_mesh(drape, pop))
-        return kept[-1]
+        fresh = drape._before is not None
+        keeps = keep_mesh(drape, pop)
+        if fresh:
+            kept.append(keeps)
+        return keeps
 
     monkeypatch.setattr(DrapeState, "keep_mesh", noted)
     drape = hung()
