@@ -5,17 +5,17 @@ from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.kernel import BOOL_1, F64_2, I32_2, OUT_F64_2, kernel
+from toile.geometry.kernel import BOOL_1, F64_2, I32_2, OUT_F64_2, kernel, unsigned
 
 
 @kernel(types.void(F64_2, F64_2, BOOL_1, I32_2, types.int64, types.int64, types.float64, OUT_F64_2))
 def _carry(p, move, blocked, pairs, kind, cloth_nodes, reach, carried):  # type: ignore[no-untyped-def]
     """Give every cloth node the longest motion among avatar vertices that it blocks."""
     for row in range(pairs.shape[0]):
-        i = pairs[row, 0]
-        j = pairs[row, 1]
-        k = pairs[row, 2]
-        m = pairs[row, 3]
+        i = unsigned(pairs[row, 0])
+        j = unsigned(pairs[row, 1])
+        k = unsigned(pairs[row, 2])
+        m = unsigned(pairs[row, 3])
         if not (blocked[i] or blocked[j] or blocked[k] or blocked[m]):
             continue
         wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)

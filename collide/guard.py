@@ -16,7 +16,18 @@ from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_1, F64_2, I32_1, I32_2, OUT_F64_1, OUT_F64_2, OUT_I32_1, helper, kernel
+from toile.geometry.kernel import (
+    F64_1,
+    F64_2,
+    I32_1,
+    I32_2,
+    OUT_F64_1,
+    OUT_F64_2,
+    OUT_I32_1,
+    helper,
+    kernel,
+    unsigned,
+)
 
 KEPT_SHARE = 0.2
 """Share of its distance that a pair keeps in one move."""
@@ -75,10 +86,10 @@ def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-unty
     """
     count = np.int64(0)  # typed: a literal would be a second specialisation of _set_plane
     for row in range(pairs.shape[0]):
-        i = pairs[row, 0]
-        j = pairs[row, 1]
-        k = pairs[row, 2]
-        m = pairs[row, 3]
+        i = unsigned(pairs[row, 0])
+        j = unsigned(pairs[row, 1])
+        k = unsigned(pairs[row, 2])
+        m = unsigned(pairs[row, 3])
         wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
         d = length(x, y, z)

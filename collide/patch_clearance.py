@@ -22,6 +22,7 @@ from toile.geometry.kernel import (
     OUT_I32_2,
     helper,
     kernel,
+    unsigned,
 )
 
 TOUCH = 1e-6
@@ -105,6 +106,7 @@ def _too_close(p, weld, triangles, a, b, reach):  # type: ignore[no-untyped-def]
             eb = (test - 6) % 3
             i, j = triangles[a, ea], triangles[a, (ea + 1) % 3]
             k, m = triangles[b, eb], triangles[b, (eb + 1) % 3]
+        i, j, k, m = unsigned(i), unsigned(j), unsigned(k), unsigned(m)
         one, other = weld[i], weld[j]
         if one == weld[k] or one == weld[m] or (kind == 0 and one == other):
             continue

@@ -14,6 +14,7 @@ from typing import Any
 import numba
 import numpy as np
 from numba import njit, types
+from numba.extending import register_jitable
 
 
 def _source_fingerprint() -> str:
@@ -93,8 +94,9 @@ unsigned = np.uintp
 quarter of the time of a matrix product and four fifths of a band Cholesky factor's, which was not vectorised.
 Its sum with a signed one would be a floating-point number."""
 
-helper = njit(**LEAN)
+helper = register_jitable(**LEAN, no_cpython_wrapper=True)
 """Decorator of scalar helpers that batch kernels call.
 
-They keep their Python wrappers: without one, a call from Python (as in a test) is a crash, not an error.
+From Python they run as they are written. Machine code for such calls, and wrappers around it, would take a
+tenth of all compile time.
 """

@@ -30,6 +30,7 @@ from toile.geometry.kernel import (
     OUT_I32_2,
     helper,
     kernel,
+    unsigned,
 )
 
 NO_MOTION = np.empty((0, 3))
@@ -169,10 +170,10 @@ def _evaluate(  # type: ignore[no-untyped-def]
     w = np.empty(4, np.float64)
     four = np.empty((4, 3), np.float64)
     for row in range(pairs.shape[0]):
-        i = pairs[row, 0]
-        j = pairs[row, 1]
-        k = pairs[row, 2]
-        m = pairs[row, 3]
+        i = unsigned(pairs[row, 0])
+        j = unsigned(pairs[row, 1])
+        k = unsigned(pairs[row, 2])
+        m = unsigned(pairs[row, 3])
         r = radius[i]
         other = min(radius[k], radius[m])
         if kind == 0:
