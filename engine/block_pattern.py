@@ -19,6 +19,7 @@ class BlockPattern:
     exists. One triangle is stored: a product is bound by the memory it reads, and Gauss-Seidel sweeps
     read the very same numbers. Nodes are ranked in reverse Cuthill-McKee order; a block belongs to the row
     of the node with the higher rank. The first blocks are the diagonal, by rank; the lower triangle follows.
+    So are the numbers of a vector: what a row asks for was read a few rows before, wherever a mesher put it.
 
     Attributes
     ----------
@@ -27,7 +28,6 @@ class BlockPattern:
     lower_indptr : the row of rank o owns blocks lower_indptr[o] to lower_indptr[o + 1] of the lower
         triangle, shape (node_count + 1,).
     lower_ranks : block column of each, as a rank, ascending within a row, shape (slot_count - node_count,).
-    lower_nodes : the same as nodes.
     slots : per stencil array (E, k), the slots of the blocks in the order of `node_pairs(k)`, shape
         (E, k(k + 1) / 2); ~slot where the block is stored transposed.
     indptr, indices : neighbours of each node, itself among them, ascending (CSR of both triangles).
@@ -65,7 +65,6 @@ class BlockPattern:
             np.int32
         )
         self.lower_ranks: Int = columns[by_row]
-        self.lower_nodes: Int = self.order[self.lower_ranks]
         slots = np.empty(len(unique), np.int32)
         slots[by_row] = np.arange(node_count, node_count + len(unique), dtype=np.int32)
         forwards = np.where(ranks[0] > ranks[1], slots, ~slots)
@@ -98,14 +97,13 @@ class BlockPattern:
         return blocks[self.node_count :]
 
     def multiply(self, blocks: Float, x: Float, start: Float, product: Float) -> float:
-        """Write start + B x into `product`, shape (node_count, 3), and return its product with x.
+        """Write start + B x into `product`, shape (node_count, 3), by rank, and return its product with x.
 
         `start` has shape (node_count, 4), of which the last column has no meaning.
         """
         total: float = _multiply(
-            self.order,
             self.lower_indptr,
-            self.lower_nodes,
+            self.lower_ranks,
             self.diagonal(blocks),
             self.lower(blocks),
             x,
@@ -130,11 +128,10 @@ def _off_diagonal(stencil: Int) -> tuple[tuple[int, int], ...]:
     return node_pairs(stencil.shape[1])[stencil.shape[1] :]
 
 
-@kernel(types.float64(I32_1, I32_1, I32_1, F64_3, F64_3, F64_2, F64_2, OUT_F64_2))
+@kernel(types.float64(I32_1, I32_1, F64_3, F64_3, F64_2, F64_2, OUT_F64_2))
 def _multiply(
-    order: Int,
     indptr: Int,
-    nodes: Int,
+    ranks: Int,
     diagonal: Float,
     lower: Float,
     x: Float,
@@ -142,20 +139,20 @@ def _multiply(
     product: Float,
 ) -> float:
     total = 0.0
-    for o in range(order.shape[0]):
-        i = unsigned(order[o])
-        u0 = x[i, 0]
-        u1 = x[i, 1]
-        u2 = x[i, 2]
-        y0 = start[i, 0] + (diagonal[o, 0, 0] * u0 + diagonal[o, 0, 1] * u1 + diagonal[o, 0, 2] * u2)
-        y1 = start[i, 1] + (diagonal[o, 1, 0] * u0 + diagonal[o, 1, 1] * u1 + diagonal[o, 1, 2] * u2)
-        y2 = start[i, 2] + (diagonal[o, 2, 0] * u0 + diagonal[o, 2, 1] * u1 + diagonal[o, 2, 2] * u2)
+    for row in range(diagonal.shape[0]):
+        o = unsigned(row)
+        u0 = x[o, 0]
+        u1 = x[o, 1]
+        u2 = x[o, 2]
+        y0 = start[o, 0] + (diagonal[o, 0, 0] * u0 + diagonal[o, 0, 1] * u1 + diagonal[o, 0, 2] * u2)
+        y1 = start[o, 1] + (diagonal[o, 1, 0] * u0 + diagonal[o, 1, 1] * u1 + diagonal[o, 1, 2] * u2)
+        y2 = start[o, 2] + (diagonal[o, 2, 0] * u0 + diagonal[o, 2, 1] * u1 + diagonal[o, 2, 2] * u2)
         # What the row below the diagonal gives: counted twice in the total, for the column above it.
         z0 = 0.0
         z1 = 0.0
         z2 = 0.0
-        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
-            j = unsigned(nodes[k])
+        for k in range(unsigned(indptr[o]), unsigned(indptr[row + 1])):
+            j = unsigned(ranks[k])
             x0 = x[j, 0]
             x1 = x[j, 1]
             x2 = x[j, 2]
@@ -174,8 +171,8 @@ def _multiply(
             product[j, 0] += b00 * u0 + b10 * u1 + b20 * u2
             product[j, 1] += b01 * u0 + b11 * u1 + b21 * u2
             product[j, 2] += b02 * u0 + b12 * u1 + b22 * u2
-        product[i, 0] = y0 + z0
-        product[i, 1] = y1 + z1
-        product[i, 2] = y2 + z2
+        product[o, 0] = y0 + z0
+        product[o, 1] = y1 + z1
+        product[o, 2] = y2 + z2
         total += u0 * (y0 + 2.0 * z0) + u1 * (y1 + 2.0 * z1) + u2 * (y2 + 2.0 * z2)
     return total

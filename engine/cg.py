@@ -55,7 +55,8 @@ def solve(
     ------
     FloatingPointError : a non-finite number turned up, or A is not positive definite.
     """
-    load = np.array(right_hand_side, dtype=np.float64, order="C")
+    order, rank = system.pattern.order, system.pattern.rank
+    load: Float = np.asarray(right_hand_side, dtype=np.float64)[order]
     _zero_pinned(system.pinned, load)
     residual = load.copy()
     solution = np.zeros_like(load)
@@ -68,7 +69,7 @@ def solve(
     limit = tolerance * tolerance * reference
     if start is not None and reference > 0.0:
         correction = np.zeros_like(load)
-        np.copyto(solution, start)
+        np.take(start, order, axis=0, out=solution)
         _zero_pinned(system.pinned, solution)
         system.apply(solution, product)
         np.subtract(load, product, out=residual)
@@ -90,7 +91,7 @@ def solve(
     if not math.isfinite(scaled):
         raise FloatingPointError("the residual is not finite")
     ratio = math.sqrt(max(scaled, 0.0) / reference) if reference > 0.0 else 0.0
-    return CgResult(solution, iterations, ratio, scaled <= limit, reference)
+    return CgResult(solution[rank], iterations, ratio, scaled <= limit, reference)
 
 
 def _remove_exact_part(

@@ -197,9 +197,10 @@ class Dynamics:
     def _damped(self, v: Float) -> Float:
         """D v [N], shape (n, 3)."""
         assert self._damping is not None
+        pattern = self.system.pattern
         product = np.empty_like(v)
-        self.system.pattern.multiply(self._damping, v, np.zeros((len(v), 4)), product)
-        return product
+        pattern.multiply(self._damping, v[pattern.order], np.zeros((len(v), 4)), product)
+        return product[pattern.rank]
 
     def _element_energy(self, x: Float) -> float:
         """Energy [J] of weight and elements."""

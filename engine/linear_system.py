@@ -60,15 +60,17 @@ def joined(stencils: list[ContactStencils]) -> ContactStencils:
 class LinearSystem:
     """A x, for one topology; `update` sets the numbers of one Newton iteration.
 
+    It is told of nodes and keeps all by rank, as vectors are that it works on: see `BlockPattern`.
+
     Attributes
     ----------
     blocks : merged block matrix on `pattern` [N/m], shape (slot_count, 3, 3); identity rows at pins.
         Another array after an `update` that follows `lend_blocks`.
-    outer_indptr, outer_nodes, outer_values : entries of S outside the pattern, below its diagonal in the
-        order of the pattern: CSR by rank, columns as nodes.
+    outer_indptr, outer_ranks, outer_values : entries of S outside the pattern, below its diagonal: CSR by
+        rank.
     outer_scale : the factor of those entries.
-    contacts : contacts that do not fit the pattern; their weights vanish at pins.
-    pinned : shape (node_count,).
+    contacts : contacts that do not fit the pattern, their nodes by rank; weights vanish at pins.
+    pinned : by rank, shape (node_count,).
     """
 
     def __init__(self, pattern: BlockPattern, bending: csr_array | None = None) -> None:
@@ -82,10 +84,9 @@ class LinearSystem:
         self._inner_slots: Int = np.zeros(0, np.int32)
         self._inner_values: Float = np.zeros(0)
         self.outer_indptr: Int = np.zeros(pattern.node_count + 1, np.int32)
-        self.outer_nodes: Int = np.zeros(0, np.int32)
+        self.outer_ranks: Int = np.zeros(0, np.int32)
         self.outer_values: Float = np.zeros(0)
-        # Rows of x one after the other, and four columns of the product: see `_multiply_outer`.
-        self._row: Float = np.zeros(3 * pattern.node_count + 1)
+        # With four columns: see `_multiply_outer`.
         self._outer_product: Float = np.zeros((pattern.node_count, 4))
         if bending is not None:
             self._split(bending)
@@ -109,7 +110,7 @@ class LinearSystem:
         row_ranks, column_ranks = self.pattern.rank[rows], self.pattern.rank[bending.indices]
         below = np.flatnonzero(~inner & (column_ranks < row_ranks))
         below = below[np.lexsort((column_ranks[below], row_ranks[below]))]
-        self.outer_nodes = bending.indices[below].astype(np.int32)
+        self.outer_ranks = column_ranks[below]
         self.outer_values = np.ascontiguousarray(bending.data[below], dtype=np.float64)
         self.outer_indptr = np.searchsorted(row_ranks[below], np.arange(count + 1)).astype(np.int32)
 
@@ -156,17 +157,19 @@ class LinearSystem:
         )
         if count:
             kept = left[:count]
+            nodes = contacts.nodes[kept]
             self.contacts = ContactStencils(
-                contacts.nodes[kept], contacts.weights[kept], contacts.stiffness[kept]
+                np.where(nodes >= 0, pattern.rank[nodes], np.int32(-1)),
+                contacts.weights[kept],
+                contacts.stiffness[kept],
             )
 
     def _pin(self, pinned: Bool) -> None:
-        self.pinned = np.ascontiguousarray(pinned, dtype=np.bool_)
         pattern = self.pattern
+        self.pinned = np.asarray(pinned, dtype=np.bool_)[pattern.order]
         _make_identity(
-            pattern.order,
             pattern.lower_indptr,
-            pattern.lower_nodes,
+            pattern.lower_ranks,
             self.pinned,
             pattern.diagonal(self.blocks),
             pattern.lower(self.blocks),
@@ -178,15 +181,13 @@ class LinearSystem:
     def apply(self, x: Float, product: Float) -> float:
         """Write A x into `product` and return x . A x; shapes (node_count, 3). x must vanish at pins."""
         if len(self.outer_values):
-            np.copyto(self._row[:-1].reshape(-1, 3), x)
             _multiply_outer(
-                self.pattern.order,
                 self.outer_indptr,
-                self.outer_nodes,
+                self.outer_ranks,
                 self.outer_values,
                 self.outer_scale,
                 self.pinned,
-                self._row,
+                x.reshape(-1),
                 self._outer_product,
             )
         energy = self.pattern.multiply(self.blocks, x, self._outer_product, product)
@@ -210,8 +211,8 @@ class LinearSystem:
         return self.blocks
 
     def diagonal_blocks(self) -> Float:
-        """Return the diagonal blocks of A by node [N/m], shape (node_count, 3, 3)."""
-        diagonal: Float = self.blocks[self.pattern.rank]
+        """Return the diagonal blocks of A by rank [N/m], shape (node_count, 3, 3)."""
+        diagonal: Float = self.pattern.diagonal(self.blocks).copy()
         if len(self.contacts.nodes):
             _add_contact_diagonal(*self.contacts, diagonal)
         return diagonal
@@ -278,26 +279,24 @@ def _absorb_contacts(
     return left_count
 
 
-@kernel(types.void(I32_1, I32_1, I32_1, BOOL_1, OUT_F64_3, OUT_F64_3))
-def _make_identity(order: Int, indptr: Int, nodes: Int, pinned: Bool, diagonal: Float, lower: Float) -> None:
-    for o in range(order.shape[0]):
-        i = order[o]
-        if pinned[i]:
+@kernel(types.void(I32_1, I32_1, BOOL_1, OUT_F64_3, OUT_F64_3))
+def _make_identity(indptr: Int, ranks: Int, pinned: Bool, diagonal: Float, lower: Float) -> None:
+    for o in range(pinned.shape[0]):
+        if pinned[o]:
             for r in range(3):
                 for q in range(3):
                     diagonal[o, r, q] = 1.0 if r == q else 0.0
         for k in range(indptr[o], indptr[o + 1]):
-            if pinned[i] or pinned[nodes[k]]:
+            if pinned[o] or pinned[ranks[k]]:
                 for r in range(3):
                     for q in range(3):
                         lower[k, r, q] = 0.0
 
 
-@packed_kernel(types.void(I32_1, I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_1, OUT_F64_2))
+@packed_kernel(types.void(I32_1, I32_1, F64_1, types.float64, BOOL_1, F64_1, OUT_F64_2))
 def _multiply_outer(
-    order: Int,
     indptr: Int,
-    nodes: Int,
+    ranks: Int,
     values: Float,
     scale: float,
     pinned: Bool,
@@ -306,21 +305,21 @@ def _multiply_outer(
 ) -> None:
     """Write the outer part of A x, with a fourth column of no meaning: four sums are made at once.
 
-    `row` are the rows of x one after the other, shape (3 n + 1,).
+    `row` are the rows of x one after the other, shape (3 n,). No column is that of the last node.
     """
-    for o in range(order.shape[0]):
-        i = unsigned(order[o])
+    for o in range(pinned.shape[0]):
+        i = unsigned(o)
         at = unsigned(3) * i
         u0 = scale * row[at]
         u1 = scale * row[at + unsigned(1)]
         u2 = scale * row[at + unsigned(2)]
-        u3 = scale * row[at + unsigned(3)]
+        u3 = u2
         y0 = 0.0
         y1 = 0.0
         y2 = 0.0
         y3 = 0.0
         for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
-            j = unsigned(nodes[k])
+            j = unsigned(ranks[k])
             at = unsigned(3) * j
             value = values[k]
             y0 += value * row[at]

@@ -9,11 +9,12 @@ from toile.geometry.arrays import Float
 class Preconditioner(Protocol):
     """A symmetric positive definite approximation of the inverse of A.
 
-    It may ask for residuals free of what `correct` removes, and need be symmetric on those only.
+    It may ask for residuals free of what `correct` removes, and need be symmetric on those only. Its vectors
+    are by rank, as those of the system.
     """
 
     def update(self, system: LinearSystem, positions: Float) -> None:
-        """Follow new numbers in `system`; positions: node positions [m], shape (node_count, 3)."""
+        """Follow new numbers in `system`; positions: node positions [m], by node, shape (node_count, 3)."""
 
     def apply(self, residual: Float, out: Float) -> float:
         """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""

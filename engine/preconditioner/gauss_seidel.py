@@ -30,7 +30,6 @@ class SymmetricGaussSeidel:
         self._pattern = pattern
         self._lower: Float = np.zeros((0, 3, 3))
         self._inverses: Float = np.zeros((count, 3, 3))
-        self._work: Float = np.zeros((count, 3))
         self._sums: Float = np.zeros((count, 3))
         self._far_indptr: Int = np.zeros(count + 1, np.int32)
         self._far_indices: Int = np.zeros(0, np.int32)
@@ -39,7 +38,7 @@ class SymmetricGaussSeidel:
     def update(self, system: LinearSystem, positions: Float) -> None:
         """Borrow the lower triangle and invert the diagonal; positions are not used."""
         self._lower = self._pattern.lower(system.lend_blocks())
-        self._inverses = system.diagonal_blocks()[self._pattern.order]
+        self._inverses = system.diagonal_blocks()
         invert_blocks(self._inverses)
         self._couple(system)
 
@@ -49,7 +48,7 @@ class SymmetricGaussSeidel:
         first, second = np.tril_indices(4, -1)
         weight = weights[:, first] * weights[:, second]
         used = (nodes[:, first] >= 0) & (nodes[:, second] >= 0) & (weight != 0.0)
-        ranks = self._pattern.rank[nodes[:, [first, second]]]
+        ranks = nodes[:, [first, second]]
         rows = ranks.max(axis=1)[used]
         # Stable: what a row adds up does not depend on the machine.
         by_row = np.argsort(rows, kind="stable")
@@ -61,7 +60,6 @@ class SymmetricGaussSeidel:
     def apply(self, residual: Float, out: Float) -> float:
         """Write M^-1 residual into `out` and return residual . out; shapes (node_count, 3)."""
         product: float = _sweep(
-            self._pattern.order,
             self._pattern.lower_indptr,
             self._pattern.lower_ranks,
             self._lower,
@@ -70,7 +68,6 @@ class SymmetricGaussSeidel:
             self._far_blocks,
             self._inverses,
             residual,
-            self._work,
             self._sums,
             out,
         )
@@ -81,13 +78,8 @@ class SymmetricGaussSeidel:
         return False
 
 
-@kernel(
-    types.float64(
-        I32_1, I32_1, I32_1, F64_3, I32_1, I32_1, F64_3, F64_3, F64_2, OUT_F64_2, OUT_F64_2, OUT_F64_2
-    )
-)
+@kernel(types.float64(I32_1, I32_1, F64_3, I32_1, I32_1, F64_3, F64_3, F64_2, OUT_F64_2, OUT_F64_2))
 def _sweep(
-    order: Int,
     indptr: Int,
     indices: Int,
     lower: Float,
@@ -96,45 +88,44 @@ def _sweep(
     far_blocks: Float,
     inverses: Float,
     residual: Float,
-    work: Float,
     sums: Float,
     out: Float,
 ) -> float:
-    for o in range(order.shape[0]):
-        i = unsigned(order[o])
-        r0 = residual[i, 0]
-        r1 = residual[i, 1]
-        r2 = residual[i, 2]
+    count = residual.shape[0]
+    for o in range(count):
+        r0 = residual[o, 0]
+        r1 = residual[o, 1]
+        r2 = residual[o, 2]
         for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
             j = unsigned(indices[k])
-            x0 = work[j, 0]
-            x1 = work[j, 1]
-            x2 = work[j, 2]
+            x0 = out[j, 0]
+            x1 = out[j, 1]
+            x2 = out[j, 2]
             r0 -= lower[k, 0, 0] * x0 + lower[k, 0, 1] * x1 + lower[k, 0, 2] * x2
             r1 -= lower[k, 1, 0] * x0 + lower[k, 1, 1] * x1 + lower[k, 1, 2] * x2
             r2 -= lower[k, 2, 0] * x0 + lower[k, 2, 1] * x1 + lower[k, 2, 2] * x2
         for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + 1])):
             j = unsigned(far_indices[k])
-            x0 = work[j, 0]
-            x1 = work[j, 1]
-            x2 = work[j, 2]
+            x0 = out[j, 0]
+            x1 = out[j, 1]
+            x2 = out[j, 2]
             r0 -= far_blocks[k, 0, 0] * x0 + far_blocks[k, 0, 1] * x1 + far_blocks[k, 0, 2] * x2
             r1 -= far_blocks[k, 1, 0] * x0 + far_blocks[k, 1, 1] * x1 + far_blocks[k, 1, 2] * x2
             r2 -= far_blocks[k, 2, 0] * x0 + far_blocks[k, 2, 1] * x1 + far_blocks[k, 2, 2] * x2
-        work[o, 0] = inverses[o, 0, 0] * r0 + inverses[o, 0, 1] * r1 + inverses[o, 0, 2] * r2
-        work[o, 1] = inverses[o, 1, 0] * r0 + inverses[o, 1, 1] * r1 + inverses[o, 1, 2] * r2
-        work[o, 2] = inverses[o, 2, 0] * r0 + inverses[o, 2, 1] * r1 + inverses[o, 2, 2] * r2
+        out[o, 0] = inverses[o, 0, 0] * r0 + inverses[o, 0, 1] * r1 + inverses[o, 0, 2] * r2
+        out[o, 1] = inverses[o, 1, 0] * r0 + inverses[o, 1, 1] * r1 + inverses[o, 1, 2] * r2
+        out[o, 2] = inverses[o, 2, 0] * r0 + inverses[o, 2, 1] * r1 + inverses[o, 2, 2] * r2
         sums[o, 0] = 0.0
         sums[o, 1] = 0.0
         sums[o, 2] = 0.0
     product = 0.0
-    for o in range(order.shape[0] - 1, -1, -1):
+    for o in range(count - 1, -1, -1):
         s0 = sums[o, 0]
         s1 = sums[o, 1]
         s2 = sums[o, 2]
-        z0 = work[o, 0] - (inverses[o, 0, 0] * s0 + inverses[o, 0, 1] * s1 + inverses[o, 0, 2] * s2)
-        z1 = work[o, 1] - (inverses[o, 1, 0] * s0 + inverses[o, 1, 1] * s1 + inverses[o, 1, 2] * s2)
-        z2 = work[o, 2] - (inverses[o, 2, 0] * s0 + inverses[o, 2, 1] * s1 + inverses[o, 2, 2] * s2)
+        z0 = out[o, 0] - (inverses[o, 0, 0] * s0 + inverses[o, 0, 1] * s1 + inverses[o, 0, 2] * s2)
+        z1 = out[o, 1] - (inverses[o, 1, 0] * s0 + inverses[o, 1, 1] * s1 + inverses[o, 1, 2] * s2)
+        z2 = out[o, 2] - (inverses[o, 2, 0] * s0 + inverses[o, 2, 1] * s1 + inverses[o, 2, 2] * s2)
         for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
             j = unsigned(indices[k])
             sums[j, 0] += lower[k, 0, 0] * z0 + lower[k, 1, 0] * z1 + lower[k, 2, 0] * z2
@@ -145,9 +136,8 @@ def _sweep(
             sums[j, 0] += far_blocks[k, 0, 0] * z0 + far_blocks[k, 1, 0] * z1 + far_blocks[k, 2, 0] * z2
             sums[j, 1] += far_blocks[k, 0, 1] * z0 + far_blocks[k, 1, 1] * z1 + far_blocks[k, 2, 1] * z2
             sums[j, 2] += far_blocks[k, 0, 2] * z0 + far_blocks[k, 1, 2] * z1 + far_blocks[k, 2, 2] * z2
-        i = unsigned(order[o])
-        out[i, 0] = z0
-        out[i, 1] = z1
-        out[i, 2] = z2
-        product += residual[i, 0] * z0 + residual[i, 1] * z1 + residual[i, 2] * z2
+        out[o, 0] = z0
+        out[o, 1] = z1
+        out[o, 2] = z2
+        product += residual[o, 0] * z0 + residual[o, 1] * z1 + residual[o, 2] * z2
     return product

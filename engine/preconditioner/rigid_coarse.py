@@ -43,18 +43,19 @@ class RigidCoarseSpace:
     def __init__(self, system: LinearSystem, group_size: int) -> None:
         pattern = system.pattern
         count = pattern.node_count
-        self._group: Int = aggregate_nodes(pattern.indptr, pattern.indices, group_size)
+        self._group: Int = aggregate_nodes(pattern.indptr, pattern.indices, group_size)[pattern.order]
         self.group_count = int(self._group.max(initial=-1)) + 1
         self._members: Int = np.argsort(self._group, kind="stable").astype(np.int32)
         sizes = np.bincount(self._group, minlength=self.group_count)
         self._begins: Int = np.append(0, np.cumsum(sizes)).astype(np.int32)
-        rows = np.repeat(np.arange(count), np.diff(pattern.indptr))
+        rows = np.repeat(pattern.rank, np.diff(pattern.indptr))
+        columns = pattern.rank[pattern.indices]
         # Entries of bending outside the pattern, from one triangle: (row, column), then (column, row).
-        ends = np.repeat(pattern.order, np.diff(system.outer_indptr)), system.outer_nodes
+        ends = np.repeat(np.arange(count, dtype=np.int32), np.diff(system.outer_indptr)), system.outer_ranks
         outer_rows, outer_columns = np.concatenate(ends), np.concatenate(ends[::-1])
         outer_values = np.tile(system.outer_values, 2)
         # A Z by columns: what the motions of one group do to all nodes lies together.
-        keys = self._group[np.concatenate([pattern.indices, outer_columns])].astype(np.int64) * count
+        keys = self._group[np.concatenate([columns, outer_columns])].astype(np.int64) * count
         keys += np.concatenate([rows, outer_rows])
         unique, inverse = np.unique(keys, return_inverse=True)
         slots = inverse.astype(np.int32)
@@ -83,8 +84,9 @@ class RigidCoarseSpace:
         self._factor: Float = np.zeros((0, 0))
 
     def update(self, system: LinearSystem, positions: Float) -> None:
-        """Follow new numbers and node positions [m], shape (node_count, 3)."""
+        """Follow new numbers and node positions [m], by node, shape (node_count, 3)."""
         sizes = np.bincount(self._group, minlength=self.group_count)
+        positions = positions[system.pattern.order]
         for axis in range(3):
             centre = np.bincount(self._group, positions[:, axis], self.group_count) / sizes
             self._offsets[:, axis] = positions[:, axis] - centre[self._group]
@@ -92,9 +94,8 @@ class RigidCoarseSpace:
         self._product[:] = 0.0
         pattern = system.pattern
         multiply_motions(
-            pattern.order,
             pattern.lower_indptr,
-            pattern.lower_nodes,
+            pattern.lower_ranks,
             self._row_slots,
             self._column_slots,
             system.blocks,

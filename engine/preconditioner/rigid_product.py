@@ -38,11 +38,10 @@ def _add_motions(
     product[slot, row, 5] += d0 * b1 - d1 * b0
 
 
-@packed_kernel(types.void(I32_1, I32_1, I32_1, I32_1, I32_1, F64_3, BOOL_1, F64_2, OUT_F64_3))
+@packed_kernel(types.void(I32_1, I32_1, I32_1, I32_1, F64_3, BOOL_1, F64_2, OUT_F64_3))
 def multiply_motions(
-    order: Int,
     indptr: Int,
-    nodes: Int,
+    ranks: Int,
     row_slots: Int,
     column_slots: Int,
     blocks: Float,
@@ -51,16 +50,16 @@ def multiply_motions(
     product: Float,
 ) -> None:
     """Add what the stored blocks of `BlockPattern` give, each for its row and transposed for its column."""
-    count = unsigned(order.shape[0])
+    count = unsigned(pinned.shape[0])
     for o in range(count):
-        i = unsigned(order[o])
+        i = unsigned(o)
         if pinned[i]:
             continue
         s = unsigned(row_slots[o])
         for r in range(3):
             _add_motions(product, s, r, blocks[o, r, 0], blocks[o, r, 1], blocks[o, r, 2], offsets, i)
         for k in range(count + unsigned(indptr[o]), count + unsigned(indptr[o + 1])):
-            j = unsigned(nodes[k - count])
+            j = unsigned(ranks[k - count])
             if pinned[j]:
                 continue
             s = unsigned(row_slots[k])

@@ -27,7 +27,7 @@ class TwoLevel:
         self._touched: Int = np.zeros(0, np.int32)
 
     def update(self, system: LinearSystem, positions: Float) -> None:
-        """Follow new numbers; positions: node positions [m], shape (node_count, 3)."""
+        """Follow new numbers; positions: node positions [m], by node, shape (node_count, 3)."""
         self._system = system
         self._smoother.update(system, positions)
         self._coarse.update(system, positions)
