@@ -14,6 +14,8 @@ MAX_CONTACTS = 60_000
 SHRINK = 1e-5
 ASIDE = 1e-11 * np.array([0.61, 0.53, 0.59])
 """Shift of a surface that is tested against itself [m], so that no triangle meets itself."""
+AROUND = 0.05
+"""How far around the cloth an avatar is made ready [m]."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +93,12 @@ class Auditor:
     """Counts crossing triangle pairs of cloth against one avatar and itself."""
 
     def __init__(self, avatar_vertices: Float | None, avatar_faces: Int | None) -> None:
-        self._avatar: fcl.CollisionObject | None = None
+        self._body: tuple[Float, Int] | None = None
         if avatar_vertices is not None and avatar_faces is not None:
-            self._avatar = fcl.CollisionObject(bvh_model(avatar_vertices, avatar_faces), fcl.Transform())
+            self._body = avatar_vertices, avatar_faces
+        self._near = np.empty(0, np.int64)
+        self._model: fcl.CollisionObject | None = None
+        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
 
     def audit(self, positions: Float, faces: Int, weld: Int) -> Crossings:
         """Crossings of the cloth surface.
@@ -107,6 +112,29 @@ class Auditor:
         """
         cloth = shrunk_surface(positions, faces)
         against = np.empty((0, 2), np.int32)
-        if self._avatar is not None:
-            against = crossing_faces(fcl.CollisionObject(cloth, fcl.Transform()), self._avatar)
+        if self._body is not None and len(positions):
+            self._look_around(positions, *self._body)
+        if self._model is not None:
+            against = crossing_faces(fcl.CollisionObject(cloth, fcl.Transform()), self._model)
+            against[:, 1] = self._near[against[:, 1]]
         return Crossings(against, _crossings_of(cloth, faces, weld))
+
+    def _look_around(self, positions: Float, vertices: Float, faces: Int) -> None:
+        """Make the avatar ready around cloth at these positions [m], shape (n, 3).
+
+        Heads, hands and feet have most of its faces. One whose box lies beyond that of all cloth crosses
+        none of it.
+        """
+        low, high = positions.min(axis=0), positions.max(axis=0)
+        if (low >= self._low).all() and (high <= self._high).all():
+            return
+        self._low, self._high = low - AROUND, high + AROUND
+        corners = [vertices[faces[:, k]] for k in range(3)]
+        starts = np.minimum(np.minimum(corners[0], corners[1]), corners[2])
+        ends = np.maximum(np.maximum(corners[0], corners[1]), corners[2])
+        self._near = np.flatnonzero(((starts <= self._high) & (ends >= self._low)).all(axis=1))
+        used, local = np.unique(faces[self._near], return_inverse=True)
+        self._model = None
+        if len(used):
+            model = bvh_model(np.ascontiguousarray(vertices[used]), local.reshape(-1, 3).astype(np.int32))
+            self._model = fcl.CollisionObject(model, fcl.Transform())

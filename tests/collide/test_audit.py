@@ -138,6 +138,18 @@ def test_open_seams_do_not_count_until_they_are_sewn() -> None:
     assert len(Auditor(None, None).audit(y, through, np.array([0, 1, 2, 3, 4], np.int32)).cloth) == 1
 
 
+def test_cloth_that_wanders_over_an_avatar_meets_it_wherever_it_gets() -> None:
+    generator = np.random.default_rng(5)
+    body, body_faces = crumpled(generator, 14, 0.04, 0.2)
+    patch, faces = crumpled(generator, 4, 0.02, 0.35)
+    auditor = Auditor(body, body_faces)
+    for place in (*body[::65], 3.0 * body[0]):
+        x = patch + place
+        found = as_set(auditor.audit(x, faces, unsewn(x)).avatar)
+        assert found == crossing_pairs(x, faces, body, body_faces)
+        assert found or (place == 3.0 * body[0]).all()
+
+
 def test_more_contacts_than_the_first_limit() -> None:
     """A grid of upright triangles: every one along crosses every one across."""
     count = 270
