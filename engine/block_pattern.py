@@ -9,7 +9,18 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from toile.engine.assembly import node_pairs
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, F64_3, I32_1, OUT_F64_2, kernel, unsigned
+from toile.geometry.fours import (
+    first_last,
+    four_at,
+    four_times,
+    plus_product,
+    plus_three,
+    put_four,
+    three_of,
+)
+from toile.geometry.kernel import F64_1, I32_1, OUT_F64_1, OUT_F64_2, helper, kernel, unsigned
+
+ONE, THREE, FOUR, FIVE, NINE = (unsigned(number) for number in (1, 3, 4, 5, 9))
 
 
 class BlockPattern:
@@ -96,18 +107,18 @@ class BlockPattern:
         """Return the blocks below the diagonal, a view, shape (slot_count - node_count, 3, 3)."""
         return blocks[self.node_count :]
 
-    def multiply(self, blocks: Float, x: Float, start: Float, product: Float) -> float:
-        """Write start + B x into `product`, shape (node_count, 3), by rank, and return its product with x.
+    def multiply(self, blocks: Float, x: Float, sums: Float, product: Float) -> float:
+        """Write sums + B x into `product`, shape (node_count, 3), by rank, and return its product with x.
 
-        `start` has shape (node_count, 4), of which the last column has no meaning.
+        `sums` has shape (node_count, 4), of which the last column has no meaning; afterwards it is used up.
         """
         total: float = _multiply(
             self.lower_indptr,
             self.lower_ranks,
-            self.diagonal(blocks),
-            self.lower(blocks),
-            x,
-            start,
+            self.diagonal(blocks).reshape(-1),
+            self.lower(blocks).reshape(-1),
+            x.reshape(-1),
+            sums.reshape(-1),
             product,
         )
         return total
@@ -128,51 +139,54 @@ def _off_diagonal(stencil: Int) -> tuple[tuple[int, int], ...]:
     return node_pairs(stencil.shape[1])[stencil.shape[1] :]
 
 
-@kernel(types.float64(I32_1, I32_1, F64_3, F64_3, F64_2, F64_2, OUT_F64_2))
-def _multiply(
-    indptr: Int,
-    ranks: Int,
-    diagonal: Float,
-    lower: Float,
-    x: Float,
-    start: Float,
-    product: Float,
-) -> float:
+@helper
+def _sum_of_three(four):  # type: ignore[no-untyped-def]
+    """Sum of the first three numbers."""
+    x, y, z = three_of(four)
+    return x + y + z
+
+
+@kernel(types.float64(I32_1, I32_1, F64_1, F64_1, F64_1, OUT_F64_1, OUT_F64_2))
+def _multiply(  # type: ignore[no-untyped-def]
+    indptr, ranks, diagonal, lower, x, sums, product
+):
+    """Write the first three columns of sums (n, 4) + B x (n, 3) to `product`; return x . that.
+
+    `diagonal` (n, 3, 3), `lower` (k, 3, 3), x and sums are laid out as rows of numbers. The last row of a
+    block is read from the number before it on, x only where a row follows: nothing beyond an array is read.
+    Diagonal blocks are symmetric: their rows are taken for their columns.
+    """
     total = 0.0
-    for row in range(diagonal.shape[0]):
+    for row in range(product.shape[0]):
         o = unsigned(row)
-        u0 = x[o, 0]
-        u1 = x[o, 1]
-        u2 = x[o, 2]
-        y0 = start[o, 0] + (diagonal[o, 0, 0] * u0 + diagonal[o, 0, 1] * u1 + diagonal[o, 0, 2] * u2)
-        y1 = start[o, 1] + (diagonal[o, 1, 0] * u0 + diagonal[o, 1, 1] * u1 + diagonal[o, 1, 2] * u2)
-        y2 = start[o, 2] + (diagonal[o, 2, 0] * u0 + diagonal[o, 2, 1] * u1 + diagonal[o, 2, 2] * u2)
-        # What the row below the diagonal gives: counted twice in the total, for the column above it.
-        z0 = 0.0
-        z1 = 0.0
-        z2 = 0.0
-        for k in range(unsigned(indptr[o]), unsigned(indptr[row + 1])):
+        at = THREE * o
+        u0, u1, u2 = x[at], x[at + ONE], x[at + ONE + ONE]
+        first, second, third = four_times(u0), four_times(u1), four_times(u2)
+        a = four_times(0.0)
+        b, c = a, a
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
             j = unsigned(ranks[k])
-            x0 = x[j, 0]
-            x1 = x[j, 1]
-            x2 = x[j, 2]
-            b00 = lower[k, 0, 0]
-            b01 = lower[k, 0, 1]
-            b02 = lower[k, 0, 2]
-            b10 = lower[k, 1, 0]
-            b11 = lower[k, 1, 1]
-            b12 = lower[k, 1, 2]
-            b20 = lower[k, 2, 0]
-            b21 = lower[k, 2, 1]
-            b22 = lower[k, 2, 2]
-            z0 += b00 * x0 + b01 * x1 + b02 * x2
-            z1 += b10 * x0 + b11 * x1 + b12 * x2
-            z2 += b20 * x0 + b21 * x1 + b22 * x2
-            product[j, 0] += b00 * u0 + b10 * u1 + b20 * u2
-            product[j, 1] += b01 * u0 + b11 * u1 + b21 * u2
-            product[j, 2] += b02 * u0 + b12 * u1 + b22 * u2
-        product[o, 0] = y0 + z0
-        product[o, 1] = y1 + z1
-        product[o, 2] = y2 + z2
-        total += u0 * (y0 + 2.0 * z0) + u1 * (y1 + 2.0 * z1) + u2 * (y2 + 2.0 * z2)
+            block = NINE * k
+            one, two = four_at(lower, block), four_at(lower, block + THREE)
+            three = first_last(four_at(lower, block + FIVE))
+            below = four_at(x, THREE * j)
+            a, b = plus_product(a, one, below), plus_product(b, two, below)
+            c = plus_product(c, three, below)
+            column = plus_product(four_at(sums, FOUR * j), one, first)
+            put_four(sums, FOUR * j, plus_product(plus_product(column, two, second), three, third))
+        # What the row below the diagonal gives: counted twice in the total, for the column above it.
+        z0, z1, z2 = _sum_of_three(a), _sum_of_three(b), _sum_of_three(c)
+        block = NINE * o
+        whole = plus_product(four_at(sums, FOUR * o), four_at(diagonal, block), first)
+        whole = plus_product(whole, four_at(diagonal, block + THREE), second)
+        whole = plus_product(whole, first_last(four_at(diagonal, block + FIVE)), third)
+        whole = plus_three(whole, z0, z1, z2)
+        put_four(sums, FOUR * o, whole)
+        y0, y1, y2 = three_of(whole)
+        total += u0 * (y0 + z0) + u1 * (y1 + z1) + u2 * (y2 + z2)
+    for row in range(product.shape[0]):
+        o = unsigned(row)
+        product[o, 0] = sums[FOUR * o]
+        product[o, 1] = sums[FOUR * o + ONE]
+        product[o, 2] = sums[FOUR * o + ONE + ONE]
     return total

@@ -86,8 +86,8 @@ class LinearSystem:
         self.outer_indptr: Int = np.zeros(pattern.node_count + 1, np.int32)
         self.outer_ranks: Int = np.zeros(0, np.int32)
         self.outer_values: Float = np.zeros(0)
-        # With four columns: see `_multiply_outer`.
-        self._outer_product: Float = np.zeros((pattern.node_count, 4))
+        # Four columns: four sums are made at once.
+        self._sums: Float = np.zeros((pattern.node_count, 4))
         if bending is not None:
             self._split(bending)
 
@@ -188,9 +188,11 @@ class LinearSystem:
                 self.outer_scale,
                 self.pinned,
                 x.reshape(-1),
-                self._outer_product,
+                self._sums,
             )
-        energy = self.pattern.multiply(self.blocks, x, self._outer_product, product)
+        else:
+            self._sums[:] = 0.0
+        energy = self.pattern.multiply(self.blocks, x, self._sums, product)
         if self.has_distant_contacts:
             energy += self.add_distant_contacts(x, product)
         return energy

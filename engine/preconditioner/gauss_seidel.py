@@ -12,14 +12,10 @@ from toile.engine.block_pattern import BlockPattern
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.block_jacobi import invert_blocks
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import (
-    F64_2,
-    F64_3,
-    I32_1,
-    OUT_F64_2,
-    kernel,
-    unsigned,
-)
+from toile.geometry.fours import first_last, four_at, four_times, plus_product, put_four, three_of
+from toile.geometry.kernel import F64_1, F64_2, F64_3, I32_1, OUT_F64_1, OUT_F64_2, helper, kernel, unsigned
+
+ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT, NINE = (unsigned(number) for number in range(1, 10))
 
 
 class SymmetricGaussSeidel:
@@ -30,7 +26,7 @@ class SymmetricGaussSeidel:
         self._pattern = pattern
         self._lower: Float = np.zeros((0, 3, 3))
         self._inverses: Float = np.zeros((count, 3, 3))
-        self._sums: Float = np.zeros((count, 3))
+        self._sums: Float = np.zeros((count, 4))
         self._far_indptr: Int = np.zeros(count + 1, np.int32)
         self._far_indices: Int = np.zeros(0, np.int32)
         self._far_blocks: Float = np.zeros((0, 3, 3))
@@ -62,13 +58,13 @@ class SymmetricGaussSeidel:
         product: float = _sweep(
             self._pattern.lower_indptr,
             self._pattern.lower_ranks,
-            self._lower,
+            self._lower.reshape(-1),
             self._far_indptr,
             self._far_indices,
-            self._far_blocks,
+            self._far_blocks.reshape(-1),
             self._inverses,
             residual,
-            self._sums,
+            self._sums.reshape(-1),
             out,
         )
         return product
@@ -78,7 +74,28 @@ class SymmetricGaussSeidel:
         return False
 
 
-@kernel(types.float64(I32_1, I32_1, F64_3, I32_1, I32_1, F64_3, F64_3, F64_2, OUT_F64_2, OUT_F64_2))
+@helper
+def _row_times(blocks, k, x, j):  # type: ignore[no-untyped-def]
+    """Product of a block and the numbers of row j of x, (n, 3)."""
+    at = NINE * k
+    x0, x1, x2 = x[j, 0], x[j, 1], x[j, 2]
+    return (
+        blocks[at] * x0 + blocks[at + ONE] * x1 + blocks[at + TWO] * x2,
+        blocks[at + THREE] * x0 + blocks[at + FOUR] * x1 + blocks[at + FIVE] * x2,
+        blocks[at + SIX] * x0 + blocks[at + SEVEN] * x1 + blocks[at + EIGHT] * x2,
+    )
+
+
+@helper
+def _add_to_column(sums, j, blocks, k, first, second, third):  # type: ignore[no-untyped-def]
+    """Add the transpose of a block, times three numbers that come as four each, to the sums of column j."""
+    at, column = NINE * k, four_at(sums, FOUR * j)
+    column = plus_product(column, four_at(blocks, at), first)
+    column = plus_product(column, four_at(blocks, at + THREE), second)
+    put_four(sums, FOUR * j, plus_product(column, first_last(four_at(blocks, at + FIVE)), third))
+
+
+@kernel(types.float64(I32_1, I32_1, F64_1, I32_1, I32_1, F64_1, F64_3, F64_2, OUT_F64_1, OUT_F64_2))
 def _sweep(
     indptr: Int,
     indices: Int,
@@ -91,51 +108,40 @@ def _sweep(
     sums: Float,
     out: Float,
 ) -> float:
-    count = residual.shape[0]
-    for o in range(count):
+    count, has_far = residual.shape[0], far_indices.shape[0] > 0
+    for row in range(count):
+        o = unsigned(row)
         r0 = residual[o, 0]
         r1 = residual[o, 1]
         r2 = residual[o, 2]
-        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
-            j = unsigned(indices[k])
-            x0 = out[j, 0]
-            x1 = out[j, 1]
-            x2 = out[j, 2]
-            r0 -= lower[k, 0, 0] * x0 + lower[k, 0, 1] * x1 + lower[k, 0, 2] * x2
-            r1 -= lower[k, 1, 0] * x0 + lower[k, 1, 1] * x1 + lower[k, 1, 2] * x2
-            r2 -= lower[k, 2, 0] * x0 + lower[k, 2, 1] * x1 + lower[k, 2, 2] * x2
-        for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + 1])):
-            j = unsigned(far_indices[k])
-            x0 = out[j, 0]
-            x1 = out[j, 1]
-            x2 = out[j, 2]
-            r0 -= far_blocks[k, 0, 0] * x0 + far_blocks[k, 0, 1] * x1 + far_blocks[k, 0, 2] * x2
-            r1 -= far_blocks[k, 1, 0] * x0 + far_blocks[k, 1, 1] * x1 + far_blocks[k, 1, 2] * x2
-            r2 -= far_blocks[k, 2, 0] * x0 + far_blocks[k, 2, 1] * x1 + far_blocks[k, 2, 2] * x2
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + ONE])):
+            x, y, z = _row_times(lower, k, out, unsigned(indices[k]))
+            r0 -= x
+            r1 -= y
+            r2 -= z
+        if has_far:
+            for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + ONE])):
+                x, y, z = _row_times(far_blocks, k, out, unsigned(far_indices[k]))
+                r0 -= x
+                r1 -= y
+                r2 -= z
         out[o, 0] = inverses[o, 0, 0] * r0 + inverses[o, 0, 1] * r1 + inverses[o, 0, 2] * r2
         out[o, 1] = inverses[o, 1, 0] * r0 + inverses[o, 1, 1] * r1 + inverses[o, 1, 2] * r2
         out[o, 2] = inverses[o, 2, 0] * r0 + inverses[o, 2, 1] * r1 + inverses[o, 2, 2] * r2
-        sums[o, 0] = 0.0
-        sums[o, 1] = 0.0
-        sums[o, 2] = 0.0
+        put_four(sums, FOUR * o, four_times(0.0))
     product = 0.0
-    for o in range(count - 1, -1, -1):
-        s0 = sums[o, 0]
-        s1 = sums[o, 1]
-        s2 = sums[o, 2]
+    for row in range(count - 1, -1, -1):
+        o = unsigned(row)
+        s0, s1, s2 = three_of(four_at(sums, FOUR * o))
         z0 = out[o, 0] - (inverses[o, 0, 0] * s0 + inverses[o, 0, 1] * s1 + inverses[o, 0, 2] * s2)
         z1 = out[o, 1] - (inverses[o, 1, 0] * s0 + inverses[o, 1, 1] * s1 + inverses[o, 1, 2] * s2)
         z2 = out[o, 2] - (inverses[o, 2, 0] * s0 + inverses[o, 2, 1] * s1 + inverses[o, 2, 2] * s2)
-        for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
-            j = unsigned(indices[k])
-            sums[j, 0] += lower[k, 0, 0] * z0 + lower[k, 1, 0] * z1 + lower[k, 2, 0] * z2
-            sums[j, 1] += lower[k, 0, 1] * z0 + lower[k, 1, 1] * z1 + lower[k, 2, 1] * z2
-            sums[j, 2] += lower[k, 0, 2] * z0 + lower[k, 1, 2] * z1 + lower[k, 2, 2] * z2
-        for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + 1])):
-            j = unsigned(far_indices[k])
-            sums[j, 0] += far_blocks[k, 0, 0] * z0 + far_blocks[k, 1, 0] * z1 + far_blocks[k, 2, 0] * z2
-            sums[j, 1] += far_blocks[k, 0, 1] * z0 + far_blocks[k, 1, 1] * z1 + far_blocks[k, 2, 1] * z2
-            sums[j, 2] += far_blocks[k, 0, 2] * z0 + far_blocks[k, 1, 2] * z1 + far_blocks[k, 2, 2] * z2
+        first, second, third = four_times(z0), four_times(z1), four_times(z2)
+        for k in range(unsigned(indptr[o]), unsigned(indptr[o + ONE])):
+            _add_to_column(sums, unsigned(indices[k]), lower, k, first, second, third)
+        if has_far:
+            for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + ONE])):
+                _add_to_column(sums, unsigned(far_indices[k]), far_blocks, k, first, second, third)
         out[o, 0] = z0
         out[o, 1] = z1
         out[o, 2] = z2

@@ -183,17 +183,19 @@ def test_sums_made_at_once_are_those_made_one_by_one() -> None:
                 sums[axis] += value * x[j, axis]
                 outer[j][axis] += value * (scale * x[i, axis])
         outer[i] = [scale * total for total in sums]
-    expected = [[0.0, 0.0, 0.0] for _ in range(problem.count)]
+    expected = outer
     for i in range(problem.count):
-        own, below = system.blocks[i], [0.0, 0.0, 0.0]
+        own, below = system.blocks[i], [[0.0, 0.0, 0.0] for _ in range(3)]
         for k in range(pattern.lower_indptr[i], pattern.lower_indptr[i + 1]):
             block, j = pattern.lower(system.blocks)[k], pattern.lower_ranks[k]
             for r in range(3):
-                below[r] += block[r, 0] * x[j, 0] + block[r, 1] * x[j, 1] + block[r, 2] * x[j, 2]
-                expected[j][r] += block[0, r] * x[i, 0] + block[1, r] * x[i, 1] + block[2, r] * x[i, 2]
+                for q in range(3):
+                    below[r][q] += block[r, q] * x[j, q]
+                    expected[j][r] += block[q, r] * x[i, q]
         for r in range(3):
-            along = own[r, 0] * x[i, 0] + own[r, 1] * x[i, 1] + own[r, 2] * x[i, 2]
-            expected[i][r] = outer[i][r] + along + below[r]
+            for q in range(3):
+                expected[i][r] += own[q, r] * x[i, q]
+            expected[i][r] += below[r][0] + below[r][1] + below[r][2]
     assert product.tolist() == expected
 
 
