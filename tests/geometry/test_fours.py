@@ -3,24 +3,18 @@
 import numpy as np
 from numba import types
 
-from toile.geometry.fours import (
-    first_last,
-    four_at,
-    four_times,
-    plus_product,
-    plus_three,
-    put_four,
-    three_of,
-)
+from toile.geometry import fours
 from toile.geometry.kernel import F64_1, OUT_F64_1, kernel
 
 
 @kernel(types.UniTuple(types.float64, 3)(F64_1, types.float64, OUT_F64_1))
 def every_operation(numbers, factor, out):  # type: ignore[no-untyped-def]
-    one, other = four_at(numbers, 1), first_last(four_at(numbers, 3))
-    total = plus_product(plus_product(four_times(factor), one, other), one, four_times(factor))
-    put_four(out, 2, plus_three(total, 1.5, 2.5, 3.5))
-    return three_of(other)
+    one, other = fours.four_at(numbers, 1), fours.first_last(fours.four_at(numbers, 3))
+    total = fours.plus_product(
+        fours.plus_product(fours.four_times(factor), one, other), one, fours.four_times(factor)
+    )
+    fours.put_four(out, 2, fours.plus_three(total, 1.5, 2.5, 3.5))
+    return fours.three_of(other)
 
 
 def test_operations_equal_those_of_single_numbers() -> None:
