@@ -59,6 +59,17 @@ def _shared_corners(p, weld, triangles, a, b, touch):  # type: ignore[no-untyped
 
 
 @helper
+def _welded_corner(weld, triangles, a, b):  # type: ignore[no-untyped-def]
+    """Return the last corner of a that is welded to one of b, or -1."""
+    corner = -1
+    for k in range(3):
+        for m in range(3):
+            if weld[triangles[a, k]] == weld[triangles[b, m]]:
+                corner = k
+    return corner
+
+
+@helper
 def _folded(p, u, v, a, b, touch):  # type: ignore[no-untyped-def]
     """Whether triangles uva and uvb lie on each other, or one of them has no width."""
     ex, ey, ez = p[v, 0] - p[u, 0], p[v, 1] - p[u, 1], p[v, 2] - p[u, 2]
@@ -89,6 +100,32 @@ def _clearly_apart(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
         elif min(three, four) - max(one, two) > reach or min(one, two) - max(three, four) > reach:
             return True
     return False
+
+
+@helper
+def _lowest(p, triangles, t, x, y, z):  # type: ignore[no-untyped-def]
+    """Least of a triangle's corners along a direction."""
+    i, j, k = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+    return min(
+        x * p[i, 0] + y * p[i, 1] + z * p[i, 2],
+        x * p[j, 0] + y * p[j, 1] + z * p[j, 2],
+        x * p[k, 0] + y * p[k, 1] + z * p[k, 2],
+    )
+
+
+@helper
+def _side_ahead(p, triangles, a, lone, b, reach):  # type: ignore[no-untyped-def]
+    """Whether the side of a across from its corner `lone` lies farther than reach ahead of triangle b.
+
+    Along the way from the middle of b to the middle of that side.
+    """
+    i, j = triangles[a, (lone + 1) % 3], triangles[a, (lone + 2) % 3]
+    q, r, s = triangles[b, 0], triangles[b, 1], triangles[b, 2]
+    x = 0.5 * (p[i, 0] + p[j, 0]) - (p[q, 0] + p[r, 0] + p[s, 0]) / 3.0
+    y = 0.5 * (p[i, 1] + p[j, 1]) - (p[q, 1] + p[r, 1] + p[s, 1]) / 3.0
+    z = 0.5 * (p[i, 2] + p[j, 2]) - (p[q, 2] + p[r, 2] + p[s, 2]) / 3.0
+    ahead = min(x * p[i, 0] + y * p[i, 1] + z * p[i, 2], x * p[j, 0] + y * p[j, 1] + z * p[j, 2])
+    return ahead + _lowest(p, triangles, b, -x, -y, -z) > reach * length(x, y, z)
 
 
 @helper
@@ -165,7 +202,7 @@ def _judge_pairs(  # type: ignore[no-untyped-def]
             longest = max(longest, _squared_distance(p, triangles[a, k], triangles[a, (k + 1) % 3]))
         touch = TOUCH * np.sqrt(longest)
         welded, joined, lone_a = _shared_corners(p, weld, triangles, a, b, touch)
-        _, joined_b, lone_b = _shared_corners(p, weld, triangles, b, a, touch)
+        welded_b, joined_b, lone_b = _shared_corners(p, weld, triangles, b, a, touch)
         if joined == 3 or joined_b == 3:
             meets[row] = True
             continue
@@ -174,6 +211,14 @@ def _judge_pairs(  # type: ignore[no-untyped-def]
             meets[row] = _folded(p, u, v, triangles[a, lone_a], triangles[b, lone_b], touch)
             continue
         reach = touch if welded > 0 else max(gap, touch)
+        if welded == 1 and welded_b == 1:
+            # All that can meet is the side across from the shared node and the other triangle, both ways.
+            corner, corner_b = _welded_corner(weld, triangles, a, b), _welded_corner(weld, triangles, b, a)
+            if _side_ahead(p, triangles, a, corner, b, reach) and _side_ahead(
+                p, triangles, b, corner_b, a, reach
+            ):
+                meets[row] = False
+                continue
         meet = _too_close(p, weld, triangles, a, b, reach)
         test = 0
         while test < 6 and not meet:

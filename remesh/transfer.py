@@ -89,12 +89,24 @@ def transfer_map(
     new_node = np.cumsum(node_alive[:node_count], dtype=np.int32) - np.int32(1)
     new_node[~node_alive[:node_count]] = -1
     on_line = np.concatenate([np.zeros(node_count, bool), *(batch.on_line for batch in births)])
+    nodes = descent([batch.node_parents for batch in births], node_count, node_alive)
+    vertices = nodes
+    if not _born_alike(births, node_alive, vertex_alive):
+        vertices = descent([batch.vertex_parents for batch in births], vertex_count, vertex_alive)
     return TransferMap(
-        nodes=descent([batch.node_parents for batch in births], node_count, node_alive),
-        vertices=descent([batch.vertex_parents for batch in births], vertex_count, vertex_alive),
+        nodes=nodes,
+        vertices=vertices,
         faces=parent,
         new_node=new_node,
         on_line=on_line[node_alive],
+    )
+
+
+def _born_alike(births: list[Births], node_alive: Bool, vertex_alive: Bool) -> bool:
+    """Whether vertices were born and removed as their nodes were: so they are without seams."""
+    return np.array_equal(node_alive, vertex_alive) and all(
+        np.array_equal(np.sort(batch.node_parents, axis=1), np.sort(batch.vertex_parents, axis=1))
+        for batch in births
     )
 
 
