@@ -14,8 +14,6 @@ LEAST_ALLOWANCE = 1e-3
 SPREAD = 2e-3
 """Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
 FEW = 0.02
-"""Share of nodes around which candidates are completed rather than searched anew."""
-MISSING = 0.2
 """Share of nodes that may miss contacts ahead for want of candidates rather than search anew."""
 STEPS_AHEAD = 3.0
 """Candidates within cloth in motion cover this many steps."""
@@ -46,15 +44,15 @@ def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> Non
         Room that nodes have beside that motion [m], shape (n,).
     """
     _expect_in_cloth(search, x, ahead, allowed)
-    missing = search.left_with_body(x + ahead) < 0.0
-    if not search.covers_body(x) or np.count_nonzero(missing) > MISSING * len(x):
+    few = FEW * len(x)
+    if not search.covers_body(x) or np.count_nonzero(search.left_with_body(x + ahead) < 0.0) > few:
         search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
 def _expect_in_cloth(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
     """Do the part of `expect` and `expect_avatar` that is about pairs within the cloth."""
     missing = search.left_in_cloth(x + ahead) < 0.0
-    if not search.covers_cloth(x) or np.count_nonzero(missing) > MISSING * len(x):
+    if not search.covers_cloth(x) or np.count_nonzero(missing) > FEW * len(x):
         search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
@@ -88,7 +86,7 @@ def expect_avatar(
     _expect_in_cloth(search, x, ahead, allowed)
     if avatar.drift is not None and (search.left_with_body(x, avatar.vertices) >= 0.0).all():
         left = search.left_with_body(x + ahead, avatar.vertices + motion)
-        if np.count_nonzero(left[: len(x)] < 0.0) <= MISSING * len(x) and (left[len(x) :] >= 0.0).all():
+        if np.count_nonzero(left[: len(x)] < 0.0) <= FEW * len(x) and (left[len(x) :] >= 0.0).all():
             return
     _search_body(search, avatar, motion, x, ahead, allowed)
 
