@@ -6,6 +6,7 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
+from toile.collide.fans import corners_from, fans_stay_apart, lowest
 from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
@@ -75,6 +76,12 @@ def _boxes_stay_apart(p, ends, kind, i, j, k, m, reach):  # type: ignore[no-unty
 
 
 @helper
+def _most(reaches, a, b, c):  # type: ignore[no-untyped-def]
+    """Largest reach of three vertices."""
+    return max(reaches[a], reaches[b], reaches[c])
+
+
+@helper
 def _faces_stay_apart(p, ends, a, b, c, d, e, f, reaches):  # type: ignore[no-untyped-def]
     """Whether the line between their middles keeps faces abc and def farther apart than their reaches.
 
@@ -83,64 +90,9 @@ def _faces_stay_apart(p, ends, a, b, c, d, e, f, reaches):  # type: ignore[no-un
     x = p[a, 0] + p[b, 0] + p[c, 0] - p[d, 0] - p[e, 0] - p[f, 0]
     y = p[a, 1] + p[b, 1] + p[c, 1] - p[d, 1] - p[e, 1] - p[f, 1]
     z = p[a, 2] + p[b, 2] + p[c, 2] - p[d, 2] - p[e, 2] - p[f, 2]
-    reach = max(reaches[a], reaches[b], reaches[c]) + max(reaches[d], reaches[e], reaches[f])
-    far = reach * length(x, y, z)
-    return _lowest(p, a, b, c, x, y, z) + _lowest(p, d, e, f, -x, -y, -z) > far and (
-        _lowest(ends, a, b, c, x, y, z) + _lowest(ends, d, e, f, -x, -y, -z) > far
-    )
-
-
-@helper
-def _from(faces, t, corner):  # type: ignore[no-untyped-def]
-    """Vertices of a face in its order, from one of its corners on."""
-    after, last = (corner + unsigned(1)) % unsigned(3), (corner + unsigned(2)) % unsigned(3)
-    return unsigned(faces[t, corner]), unsigned(faces[t, after]), unsigned(faces[t, last])
-
-
-@helper
-def _fans_stay_apart(p, ends, a, b, c, d, e, f, reaches):  # type: ignore[no-untyped-def]
-    """Whether faces abc and def, of which a and d are one vertex, fan out from it at a distance.
-
-    Then edge bc keeps farther from def, and ef from abc, than their reaches: that is all that may be asked of
-    them. So do 99 of 100 such pairs in cloth that is not creased.
-    """
-    reach = max(reaches[a], reaches[b], reaches[c]) + max(reaches[d], reaches[e], reaches[f])
-    # From the shared vertex to the middles of the sides across, twice.
-    ux, uy, uz = _towards_side(p, a, b, c)
-    vx, vy, vz = _towards_side(p, d, e, f)
-    x, y, z = ux - 0.5 * vx, uy - 0.5 * vy, uz - 0.5 * vz
-    far = reach * length(x, y, z)
-    if not (_side_ahead(p, b, c, d, e, f, x, y, z) > far and _side_ahead(ends, b, c, d, e, f, x, y, z) > far):
-        return False
-    x, y, z = vx - 0.5 * ux, vy - 0.5 * uy, vz - 0.5 * uz
-    far = reach * length(x, y, z)
-    return _side_ahead(p, e, f, a, b, c, x, y, z) > far and _side_ahead(ends, e, f, a, b, c, x, y, z) > far
-
-
-@helper
-def _towards_side(p, a, b, c):  # type: ignore[no-untyped-def]
-    """Twice the way from a to the middle of bc."""
-    return (
-        p[b, 0] + p[c, 0] - 2.0 * p[a, 0],
-        p[b, 1] + p[c, 1] - 2.0 * p[a, 1],
-        p[b, 2] + p[c, 2] - 2.0 * p[a, 2],
-    )
-
-
-@helper
-def _side_ahead(p, b, c, d, e, f, x, y, z):  # type: ignore[no-untyped-def]
-    """How far side bc lies ahead of face def along a direction."""
-    least = min(x * p[b, 0] + y * p[b, 1] + z * p[b, 2], x * p[c, 0] + y * p[c, 1] + z * p[c, 2])
-    return least + _lowest(p, d, e, f, -x, -y, -z)
-
-
-@helper
-def _lowest(p, a, b, c, x, y, z):  # type: ignore[no-untyped-def]
-    """Least of three vertices along a direction."""
-    return min(
-        x * p[a, 0] + y * p[a, 1] + z * p[a, 2],
-        x * p[b, 0] + y * p[b, 1] + z * p[b, 2],
-        x * p[c, 0] + y * p[c, 1] + z * p[c, 2],
+    far = (_most(reaches, a, b, c) + _most(reaches, d, e, f)) * length(x, y, z)
+    return lowest(p, a, b, c, x, y, z) + lowest(p, d, e, f, -x, -y, -z) > far and (
+        lowest(ends, a, b, c, x, y, z) + lowest(ends, d, e, f, -x, -y, -z) > far
     )
 
 
@@ -210,7 +162,9 @@ def _emit(  # type: ignore[no-untyped-def]
             only = only_shared[unsigned(shared)]
             if tests and only >= 0:
                 i, j = unsigned(only // 3), unsigned(only % 3)
-                if _fans_stay_apart(p, ends, *_from(faces_a, ta, i), *_from(faces_b, tb, j), reach):
+                a = corners_from(faces_a, ta, i)
+                b = corners_from(faces_b, tb, j)
+                if fans_stay_apart(p, ends, *a, *b, _most(reach, *a) + _most(reach, *b)):
                     continue
         elif _faces_stay_apart(p, ends, a0, a1, a2, b0, b1, b2, reach):
             continue

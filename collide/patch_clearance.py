@@ -9,6 +9,7 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
+from toile.collide.fans import corners_from, fans_stay_apart
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.collide.search import AvatarSurface
 from toile.geometry.arrays import Bool, Float, Int
@@ -39,10 +40,14 @@ def _squared_distance(p, i, j):  # type: ignore[no-untyped-def]
 
 @helper
 def _shared_corners(p, weld, triangles, a, b, touch):  # type: ignore[no-untyped-def]
-    """How many corners of a are welded to one of b, how many of them lie at its place, the last unwelded."""
+    """How many corners of a are welded to one of b, how many lie at its place, the last of both kinds.
+
+    That is the last one not welded, and the last one welded, or -1.
+    """
     welded = 0
     joined = 0
     lone = -1
+    shared = -1
     for k in range(3):
         i = triangles[a, k]
         twin = np.int32(-1)  # of the nodes' own type: another would compile the distance once more
@@ -53,20 +58,10 @@ def _shared_corners(p, weld, triangles, a, b, touch):  # type: ignore[no-untyped
             lone = k
             continue
         welded += 1
+        shared = k
         if _squared_distance(p, i, twin) <= touch * touch:
             joined += 1
-    return welded, joined, lone
-
-
-@helper
-def _welded_corner(weld, triangles, a, b):  # type: ignore[no-untyped-def]
-    """Return the last corner of a that is welded to one of b, or -1."""
-    corner = -1
-    for k in range(3):
-        for m in range(3):
-            if weld[triangles[a, k]] == weld[triangles[b, m]]:
-                corner = k
-    return corner
+    return welded, joined, lone, shared
 
 
 @helper
@@ -100,32 +95,6 @@ def _clearly_apart(p, kind, i, j, k, m, reach):  # type: ignore[no-untyped-def]
         elif min(three, four) - max(one, two) > reach or min(one, two) - max(three, four) > reach:
             return True
     return False
-
-
-@helper
-def _lowest(p, triangles, t, x, y, z):  # type: ignore[no-untyped-def]
-    """Least of a triangle's corners along a direction."""
-    i, j, k = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-    return min(
-        x * p[i, 0] + y * p[i, 1] + z * p[i, 2],
-        x * p[j, 0] + y * p[j, 1] + z * p[j, 2],
-        x * p[k, 0] + y * p[k, 1] + z * p[k, 2],
-    )
-
-
-@helper
-def _side_ahead(p, triangles, a, lone, b, reach):  # type: ignore[no-untyped-def]
-    """Whether the side of a across from its corner `lone` lies farther than reach ahead of triangle b.
-
-    Along the way from the middle of b to the middle of that side.
-    """
-    i, j = triangles[a, (lone + 1) % 3], triangles[a, (lone + 2) % 3]
-    q, r, s = triangles[b, 0], triangles[b, 1], triangles[b, 2]
-    x = 0.5 * (p[i, 0] + p[j, 0]) - (p[q, 0] + p[r, 0] + p[s, 0]) / 3.0
-    y = 0.5 * (p[i, 1] + p[j, 1]) - (p[q, 1] + p[r, 1] + p[s, 1]) / 3.0
-    z = 0.5 * (p[i, 2] + p[j, 2]) - (p[q, 2] + p[r, 2] + p[s, 2]) / 3.0
-    ahead = min(x * p[i, 0] + y * p[i, 1] + z * p[i, 2], x * p[j, 0] + y * p[j, 1] + z * p[j, 2])
-    return ahead + _lowest(p, triangles, b, -x, -y, -z) > reach * length(x, y, z)
 
 
 @helper
@@ -201,8 +170,8 @@ def _judge_pairs(  # type: ignore[no-untyped-def]
         for k in range(3):
             longest = max(longest, _squared_distance(p, triangles[a, k], triangles[a, (k + 1) % 3]))
         touch = TOUCH * np.sqrt(longest)
-        welded, joined, lone_a = _shared_corners(p, weld, triangles, a, b, touch)
-        welded_b, joined_b, lone_b = _shared_corners(p, weld, triangles, b, a, touch)
+        welded, joined, lone_a, shared_a = _shared_corners(p, weld, triangles, a, b, touch)
+        welded_b, joined_b, lone_b, shared_b = _shared_corners(p, weld, triangles, b, a, touch)
         if joined == 3 or joined_b == 3:
             meets[row] = True
             continue
@@ -212,11 +181,9 @@ def _judge_pairs(  # type: ignore[no-untyped-def]
             continue
         reach = touch if welded > 0 else max(gap, touch)
         if welded == 1 and welded_b == 1:
-            # All that can meet is the side across from the shared node and the other triangle, both ways.
-            corner, corner_b = _welded_corner(weld, triangles, a, b), _welded_corner(weld, triangles, b, a)
-            if _side_ahead(p, triangles, a, corner, b, reach) and _side_ahead(
-                p, triangles, b, corner_b, a, reach
-            ):
+            fan = corners_from(triangles, a, unsigned(shared_a))
+            other_fan = corners_from(triangles, b, unsigned(shared_b))
+            if fans_stay_apart(p, p, *fan, *other_fan, reach):
                 meets[row] = False
                 continue
         meet = _too_close(p, weld, triangles, a, b, reach)

@@ -8,9 +8,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from toile.engine.assembly import node_pairs
+from toile.engine.block_rows import block_rows, plus_columns
 from toile.geometry.arrays import Float, Int
 from toile.geometry.fours import (
-    first_last,
     four_at,
     four_times,
     plus_product,
@@ -20,7 +20,7 @@ from toile.geometry.fours import (
 )
 from toile.geometry.kernel import F64_1, I32_1, OUT_F64_1, OUT_F64_2, helper, kernel, unsigned
 
-ONE, THREE, FOUR, FIVE, NINE = (unsigned(number) for number in (1, 3, 4, 5, 9))
+ONE, TWO, THREE, FOUR = (unsigned(number) for number in range(1, 5))
 
 
 class BlockPattern:
@@ -152,34 +152,27 @@ def _multiply(  # type: ignore[no-untyped-def]
 ):
     """Write the first three columns of sums (n, 4) + B x (n, 3) to `product`; return x . that.
 
-    `diagonal` (n, 3, 3), `lower` (k, 3, 3), x and sums are laid out as rows of numbers. The last row of a
-    block is read from the number before it on, x only where a row follows: nothing beyond an array is read.
-    Diagonal blocks are symmetric: their rows are taken for their columns.
+    `diagonal` (n, 3, 3), `lower` (k, 3, 3), x and sums are laid out as rows of numbers. Of x fours are read
+    only where a row follows: nothing beyond it is. Diagonal blocks are symmetric: their rows are taken for
+    their columns.
     """
     total = 0.0
     for row in range(product.shape[0]):
         o = unsigned(row)
         at = THREE * o
-        u0, u1, u2 = x[at], x[at + ONE], x[at + ONE + ONE]
-        first, second, third = four_times(u0), four_times(u1), four_times(u2)
+        u0, u1, u2 = x[at], x[at + ONE], x[at + TWO]
+        numbers = four_times(u0), four_times(u1), four_times(u2)
         a = four_times(0.0)
         b, c = a, a
         for k in range(unsigned(indptr[o]), unsigned(indptr[o + 1])):
             j = unsigned(ranks[k])
-            block = NINE * k
-            one, two = four_at(lower, block), four_at(lower, block + THREE)
-            three = first_last(four_at(lower, block + FIVE))
-            below = four_at(x, THREE * j)
-            a, b = plus_product(a, one, below), plus_product(b, two, below)
-            c = plus_product(c, three, below)
-            column = plus_product(four_at(sums, FOUR * j), one, first)
-            put_four(sums, FOUR * j, plus_product(plus_product(column, two, second), three, third))
+            rows, below = block_rows(lower, k), four_at(x, THREE * j)
+            a, b = plus_product(a, rows[0], below), plus_product(b, rows[1], below)
+            c = plus_product(c, rows[2], below)
+            put_four(sums, FOUR * j, plus_columns(four_at(sums, FOUR * j), rows, numbers))
         # What the row below the diagonal gives: counted twice in the total, for the column above it.
         z0, z1, z2 = _sum_of_three(a), _sum_of_three(b), _sum_of_three(c)
-        block = NINE * o
-        whole = plus_product(four_at(sums, FOUR * o), four_at(diagonal, block), first)
-        whole = plus_product(whole, four_at(diagonal, block + THREE), second)
-        whole = plus_product(whole, first_last(four_at(diagonal, block + FIVE)), third)
+        whole = plus_columns(four_at(sums, FOUR * o), block_rows(diagonal, o), numbers)
         whole = plus_three(whole, z0, z1, z2)
         put_four(sums, FOUR * o, whole)
         y0, y1, y2 = three_of(whole)
@@ -188,5 +181,5 @@ def _multiply(  # type: ignore[no-untyped-def]
         o = unsigned(row)
         product[o, 0] = sums[FOUR * o]
         product[o, 1] = sums[FOUR * o + ONE]
-        product[o, 2] = sums[FOUR * o + ONE + ONE]
+        product[o, 2] = sums[FOUR * o + TWO]
     return total

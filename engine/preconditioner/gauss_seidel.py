@@ -9,10 +9,11 @@ import numpy as np
 from numba import types
 
 from toile.engine.block_pattern import BlockPattern
+from toile.engine.block_rows import block_rows, plus_columns
 from toile.engine.linear_system import LinearSystem
 from toile.engine.preconditioner.block_jacobi import invert_blocks
 from toile.geometry.arrays import Float, Int
-from toile.geometry.fours import first_last, four_at, four_times, plus_product, put_four, three_of
+from toile.geometry.fours import four_at, four_times, put_four, three_of
 from toile.geometry.kernel import F64_1, F64_2, F64_3, I32_1, OUT_F64_1, OUT_F64_2, helper, kernel, unsigned
 
 ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT, NINE = (unsigned(number) for number in range(1, 10))
@@ -87,12 +88,9 @@ def _row_times(blocks, k, x, j):  # type: ignore[no-untyped-def]
 
 
 @helper
-def _add_to_column(sums, j, blocks, k, first, second, third):  # type: ignore[no-untyped-def]
+def _add_to_column(sums, j, blocks, k, numbers):  # type: ignore[no-untyped-def]
     """Add the transpose of a block, times three numbers that come as four each, to the sums of column j."""
-    at, column = NINE * k, four_at(sums, FOUR * j)
-    column = plus_product(column, four_at(blocks, at), first)
-    column = plus_product(column, four_at(blocks, at + THREE), second)
-    put_four(sums, FOUR * j, plus_product(column, first_last(four_at(blocks, at + FIVE)), third))
+    put_four(sums, FOUR * j, plus_columns(four_at(sums, FOUR * j), block_rows(blocks, k), numbers))
 
 
 @kernel(types.float64(I32_1, I32_1, F64_1, I32_1, I32_1, F64_1, F64_3, F64_2, OUT_F64_1, OUT_F64_2))
@@ -136,12 +134,12 @@ def _sweep(
         z0 = out[o, 0] - (inverses[o, 0, 0] * s0 + inverses[o, 0, 1] * s1 + inverses[o, 0, 2] * s2)
         z1 = out[o, 1] - (inverses[o, 1, 0] * s0 + inverses[o, 1, 1] * s1 + inverses[o, 1, 2] * s2)
         z2 = out[o, 2] - (inverses[o, 2, 0] * s0 + inverses[o, 2, 1] * s1 + inverses[o, 2, 2] * s2)
-        first, second, third = four_times(z0), four_times(z1), four_times(z2)
+        numbers = four_times(z0), four_times(z1), four_times(z2)
         for k in range(unsigned(indptr[o]), unsigned(indptr[o + ONE])):
-            _add_to_column(sums, unsigned(indices[k]), lower, k, first, second, third)
+            _add_to_column(sums, unsigned(indices[k]), lower, k, numbers)
         if has_far:
             for k in range(unsigned(far_indptr[o]), unsigned(far_indptr[o + ONE])):
-                _add_to_column(sums, unsigned(far_indices[k]), far_blocks, k, first, second, third)
+                _add_to_column(sums, unsigned(far_indices[k]), far_blocks, k, numbers)
         out[o, 0] = z0
         out[o, 1] = z1
         out[o, 2] = z2
