@@ -14,13 +14,13 @@ import numpy as np
 from PIL import Image
 
 import toile
-from toile.dress.benchmarks.remesh import FINEST, START
-from toile.dress.benchmarks.scenes import sphere
-from toile.dress.quality import COARSEST
-from toile.dress.rasterizer import rasterize
-from toile.engine.film_plan import FilmFrame
-from toile.engine.simulate import Simulation
-from toile.remesh.sizing import SizingOptions
+from toile.dressing.pictures.rasterizer import rasterize
+from toile.dressing.run.quality import COARSEST
+from toile.engine.film.plan import FilmFrame
+from toile.engine.film.simulate import Simulation
+from toile.remesh.sizing.sizing import SizingOptions
+from toile.studies.adaptive.remesh import FINEST, START
+from toile.studies.scenes.scenes import sphere
 
 SAMPLES = 3
 """Samples per pixel in each direction."""

@@ -28,14 +28,14 @@ from pathlib import Path
 
 import tiny_jobs
 
-from toile.dress.batch.batch import JobResult, run_batch
-from toile.dress.batch.dress_job import JobRequest
-from toile.dress.batch.isolated_call import Limits
-from toile.dress.batch.job import Job
-from toile.dress.batch.ledger import rows
-from toile.dress.batch.local_pool import LocalPool
-from toile.dress.batch.outcome import Outcome
-from toile.dress.scene import Garment, Scene
+from toile.dressing.batch.batch import JobResult, run_batch
+from toile.dressing.batch.dress_job import JobRequest
+from toile.dressing.batch.job import Job
+from toile.dressing.batch.ledger import rows
+from toile.dressing.batch.outcome import Outcome
+from toile.dressing.batch.processes.isolated_call import Limits
+from toile.dressing.batch.processes.local_pool import LocalPool
+from toile.dressing.run.scene import Garment, Scene
 
 
 def jobs(count: int) -> Iterator[Job]:

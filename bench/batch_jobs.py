@@ -20,7 +20,7 @@ import trimesh
 from dress_all import body_file
 from dress_all import jobs as data_jobs
 
-from toile.dress.batch.ledger import rows
+from toile.dressing.batch.ledger import rows
 
 RIGHT = 90
 OTHERS = "anny_f_apose mh_f_slim_tall mh_m_old mh_child_8 f_smpl_average_A40 anny_child_apose"

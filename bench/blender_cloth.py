@@ -43,10 +43,10 @@ from blender_cloth_scenes import (
 )
 
 from toile.collide.audit import Auditor
-from toile.dress.benchmarks.scenes import GRAVITY, SPHERE_RADIUS, sheet
-from toile.dress.kernels import DRAPE_KERNELS, load_kernels
-from toile.engine.film_plan import FilmFrame, FilmPlan
-from toile.engine.simulate import Simulation
+from toile.dressing.run.kernels import DRAPE_KERNELS, load_kernels
+from toile.engine.film.plan import FilmFrame, FilmPlan
+from toile.engine.film.simulate import Simulation
+from toile.studies.scenes.scenes import GRAVITY, SPHERE_RADIUS, sheet
 
 REPEATS = 3
 EQUAL_STEPS = "toile, no shorter steps"

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 
-from toile.dress.benchmarks.scenes import DROP, SPHERE_RADIUS, film_plan
-from toile.dress.fabrics import fabric
-from toile.engine.fabric import Fabric
-from toile.engine.film_plan import FilmPlan
+from toile.dressing.garment.fabrics import fabric
+from toile.engine.cloth.fabric import Fabric
+from toile.engine.film.plan import FilmPlan
+from toile.studies.scenes.scenes import DROP, SPHERE_RADIUS, film_plan
 
 SECONDS, FRAME_SECONDS, STEPS = 2.0, 1.0 / 30.0, 4
 """Length of a film and of a frame [s]; steps per frame: 1/120 s each, the longest that toile takes."""

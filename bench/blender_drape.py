@@ -17,9 +17,9 @@ import numpy as np
 from blender_cloth import blender_film
 from blender_cloth_scenes import FABRIC, FRAME_SECONDS
 
-from toile.dress.benchmarks.cusick import DISC, SPECIMEN, drape_coefficient, hung, ring_mesh, specimen
-from toile.dress.report import versions
-from toile.engine.cloth import Cloth
+from toile.dressing.run.report import versions
+from toile.engine.cloth.cloth import Cloth
+from toile.studies.validation.cusick import DISC, SPECIMEN, drape_coefficient, hung, ring_mesh, specimen
 
 EDGES, SET_FOR = (0.012, 0.006, 0.003), 0.006
 """Of the triangles, and of those for which Blender's springs are set once [m]."""

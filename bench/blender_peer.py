@@ -17,16 +17,16 @@ from statistics import mean
 from blender_cloth import Film, figures, run_blender, run_toile
 from blender_cloth_scenes import FRAME_SECONDS, STEPS, Scene, choices, make_scene, toile_plan
 
-from toile.dress.benchmarks.report.films import INTEGRATORS, exactly, in_steps
-from toile.dress.benchmarks.report.machine import machine
-from toile.dress.benchmarks.report.point import Chart, Point
-from toile.dress.benchmarks.report.stored import Report
-from toile.dress.benchmarks.report.timed import repeated
-from toile.dress.benchmarks.report.write import write_pages
-from toile.dress.benchmarks.surface_distance import mean_surface_distance
-from toile.dress.kernels import DRAPE_KERNELS, load_kernels
-from toile.dress.report import versions
-from toile.dress.writers.atomic import writable_folder
+from toile.dressing.files.writers.atomic import writable_folder
+from toile.dressing.run.kernels import DRAPE_KERNELS, load_kernels
+from toile.dressing.run.report import versions
+from toile.studies.adaptive.surface_distance import mean_surface_distance
+from toile.studies.speed_error.films import INTEGRATORS, exactly, in_steps
+from toile.studies.speed_error.machine import machine
+from toile.studies.speed_error.point import Chart, Point
+from toile.studies.speed_error.stored import Report
+from toile.studies.speed_error.timed import repeated
+from toile.studies.speed_error.write import write_pages
 
 SECONDS = 1.0
 SAMPLED = round(0.2 / FRAME_SECONDS)

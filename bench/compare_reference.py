@@ -17,9 +17,9 @@ from scipy.spatial import cKDTree
 
 import toile
 from toile.collide.audit import Auditor
-from toile.dress.palette import BODY, garment_colour
-from toile.dress.preview import PreviewMesh, render
-from toile.dress.rasterizer import rasterize
+from toile.dressing.files.palette import BODY, garment_colour
+from toile.dressing.pictures.preview import PreviewMesh, render
+from toile.dressing.pictures.rasterizer import rasterize
 
 SAMPLES = 1_500_000
 PIXEL = 0.001

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 
-from toile.dress.kernels import (
+from toile.dressing.run.kernels import (
     DRAPE_KERNELS,
     INTEGRATOR_KERNELS,
     PANEL_KERNELS,

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from toile.dress.benchmarks.cusick import DISC, drape_coefficient, hung
-from toile.dress.benchmarks.validate_drape import EDGE
-from toile.dress.fabrics import fabric
-from toile.dress.palette import BODY, garment_colour
-from toile.dress.preview import PreviewMesh, render_front
-from toile.dress.writers.atomic import write_atomic
-from toile.dress.writers.png import png_bytes
+from toile.dressing.files.palette import BODY, garment_colour
+from toile.dressing.files.writers.atomic import write_atomic
+from toile.dressing.files.writers.png import png_bytes
+from toile.dressing.garment.fabrics import fabric
+from toile.dressing.pictures.preview import PreviewMesh, render_front
+from toile.studies.validation.cusick import DISC, drape_coefficient, hung
+from toile.studies.validation.validate_drape import EDGE
 
 NAMES = ("silk-charmeuse", "wool-worsted", "wool-coating")
 APART, HEIGHT, THICK = 0.34, 0.12, 0.003

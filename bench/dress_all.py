@@ -54,7 +54,7 @@ def dress(
     """Run one job in a process of its own; return its row."""
     started = time.perf_counter()
     command = [
-        sys.executable, "-m", "toile.dress.cli", "dress", "--avatar", str(body), "--garment", str(garment),
+        sys.executable, "-m", "toile", "dress", "--avatar", str(body), "--garment", str(garment),
         "--quality", quality, "--quiet", "-o", str(out / name),
     ]  # fmt: skip
     row: dict[str, Any] = {"name": name, "body": body.stem, "quality": quality, "message": ""}

@@ -28,20 +28,20 @@ from statistics import median
 import numpy as np
 from integrators_page import draw, page
 
-from toile.dress.benchmarks.oscillators import EXACT, loss_per_second, measured_order
-from toile.dress.benchmarks.report.swing import INTEGRATORS, SOLVED, within
-from toile.dress.benchmarks.swing import SECONDS, rms_distance, swing
-from toile.dress.fabrics import fabric
+from toile.dressing.garment.fabrics import fabric
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.advance import Advance, advance
 from toile.engine.integrators.baraff_witkin import BaraffWitkin
 from toile.engine.integrators.bdf2 import Bdf2
 from toile.engine.integrators.explicit_euler import ExplicitEuler
 from toile.engine.integrators.motion import Integrator, Motion
-from toile.engine.integrators.stages import backward_euler_stage
 from toile.engine.integrators.symplectic_euler import SymplecticEuler
 from toile.engine.spring_cloth import grid_springs, spring_dynamics
+from toile.engine.step.stages import backward_euler_stage
 from toile.engine.triangle_dynamics import triangle_dynamics
+from toile.studies.scenes.swing import SECONDS, rms_distance, swing
+from toile.studies.speed_error.swing import INTEGRATORS, SOLVED, within
+from toile.studies.validation.oscillators import EXACT, loss_per_second, measured_order
 
 EXPLICIT: dict[str, Integrator] = {"explicit Euler": ExplicitEuler(), "symplectic Euler": SymplecticEuler()}
 LONGEST = 0.1

@@ -14,15 +14,15 @@ from time import process_time
 import ipctk
 import numpy as np
 
-import toile.engine.safe_motion
+import toile.engine.step.safe_motion
 from toile.collide.guard import FLOOR, safe_factors
-from toile.dress.benchmarks.scenes import sphere
-from toile.dress.benchmarks.stress_pulled import funnel
-from toile.dress.benchmarks.stress_scene import StressScene
-from toile.dress.benchmarks.stress_scenes import spikes
-from toile.engine.film_plan import FilmFrame
-from toile.engine.simulate import Simulation
+from toile.engine.film.plan import FilmFrame
+from toile.engine.film.simulate import Simulation
 from toile.geometry.arrays import Float, Int
+from toile.studies.scenes.scenes import sphere
+from toile.studies.stress.stress_pulled import funnel
+from toile.studies.stress.stress_scene import StressScene
+from toile.studies.stress.stress_scenes import spikes
 
 Guard = Callable[[Float, Float, Int, Int], tuple[Float, float]]
 """Returns factors and the CPU time that it took [s]."""
@@ -85,7 +85,7 @@ def main() -> int:
     for name, scene in films().items():
         for label, guard in (("per vertex", per_vertex), ("line search", line_search)):
             watched = Watched(guard)
-            toile.engine.safe_motion.safe_factors = watched
+            toile.engine.step.safe_motion.safe_factors = watched
             started = process_time()
 
             def in_time(frame: FilmFrame, since: float = started) -> bool:
@@ -103,7 +103,7 @@ def main() -> int:
                 f"  {record.failure}",
                 flush=True,
             )
-    toile.engine.safe_motion.safe_factors = safe_factors
+    toile.engine.step.safe_motion.safe_factors = safe_factors
     return 0
 
 

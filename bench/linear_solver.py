@@ -18,14 +18,14 @@ from numba import types
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.spatial import Delaunay, cKDTree
 
-from toile.engine.assembly import scatter_hessians
-from toile.engine.block_pattern import BlockPattern
-from toile.engine.cg import solve
-from toile.engine.linear_system import ContactStencils, LinearSystem
-from toile.engine.preconditioner.base import Preconditioner
-from toile.engine.preconditioner.block_jacobi import BlockJacobi
-from toile.engine.preconditioner.gauss_seidel import SymmetricGaussSeidel
-from toile.engine.preconditioner.two_level import TwoLevel
+from toile.engine.solve.assembly import scatter_hessians
+from toile.engine.solve.block_pattern import BlockPattern
+from toile.engine.solve.cg import solve
+from toile.engine.solve.linear_system import ContactStencils, LinearSystem
+from toile.engine.solve.preconditioner.base import Preconditioner
+from toile.engine.solve.preconditioner.block_jacobi import BlockJacobi
+from toile.engine.solve.preconditioner.gauss_seidel import SymmetricGaussSeidel
+from toile.engine.solve.preconditioner.two_level import TwoLevel
 from toile.geometry.kernel import F64_1, OUT_F64_1, kernel
 
 EDGE = 0.01

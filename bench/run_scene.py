@@ -8,9 +8,9 @@ import time
 
 import numpy as np
 
-from toile.dress.benchmarks.scenes import SCENES
-from toile.engine.film_plan import FilmFrame
-from toile.engine.simulate import Simulation
+from toile.engine.film.plan import FilmFrame
+from toile.engine.film.simulate import Simulation
+from toile.studies.scenes.scenes import SCENES
 
 
 def main() -> None:

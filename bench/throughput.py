@@ -17,9 +17,9 @@ from time import process_time
 
 import numpy as np
 
-from toile.dress.benchmarks.scenes import sphere
-from toile.dress.report import versions
-from toile.engine.simulate import Simulation
+from toile.dressing.run.report import versions
+from toile.engine.film.simulate import Simulation
+from toile.studies.scenes.scenes import sphere
 
 NODES = (2_000, 5_000, 10_000, 20_000, 50_000)
 FRAME = 1.0 / 60.0

@@ -3,8 +3,8 @@
 import hashlib
 import time
 
-from toile.dress.batch.dress_job import JobRequest, load_dressing, run_job
-from toile.dress.batch.outcome import Outcome
+from toile.dressing.batch.dress_job import JobRequest, load_dressing, run_job
+from toile.dressing.batch.outcome import Outcome
 
 BUSY = 0.3
 """Processor time of a busy job [s]."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 from zipfile import ZIP_STORED, ZipFile
 
-from toile.dress.writers.atomic import replacing, writable_folder
+from toile.dressing.files.writers.atomic import replacing, writable_folder
 from toile.geometry.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent

@@ -16,8 +16,8 @@ from toile.blender_addon.pattern_object import pattern_object
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.result import select_faces, show_frames
 from toile.blender_addon.run import Current, Run, Steps
-from toile.blender_addon.scene_folder import cache_folder, of_role, stems, write_scene
-from toile.blender_addon.wind import not_understood
+from toile.blender_addon.snapshot.scene_folder import cache_folder, of_role, stems, write_scene
+from toile.blender_addon.snapshot.wind import not_understood
 
 
 class Place:

@@ -17,12 +17,12 @@ from toile.blender_addon.problem import Problem
 
 BOOT = (
     "import sys; sys.path[:0] = sys.argv.pop(1).split(chr(10)); sys.path.append(sys.argv.pop(1)); "
-    "from toile.blender_addon.worker import main; sys.exit(main(sys.argv[1:]))"
+    "from toile.blender_addon.engine_side.worker import main; sys.exit(main(sys.argv[1:]))"
 )
 
 
 class EngineProcess:
-    """A run of `toile.blender_addon.worker`; `paths` lead its imports beside toile's own.
+    """A run of `toile.blender_addon.engine_side.worker`; `paths` lead its imports beside toile's own.
 
     Blender's numpy is found last: where an environment has its own, that one belongs to its scipy.
     """

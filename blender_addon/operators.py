@@ -13,7 +13,7 @@ from toile.blender_addon.dressing import draft_steps, dress_body_steps, dress_st
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.result import forget_files, made_real, our_modifier, remove_modifier
 from toile.blender_addon.run import Current, Run, Steps, cancel_current
-from toile.blender_addon.scene_folder import cache_folder
+from toile.blender_addon.snapshot.scene_folder import cache_folder
 
 SHOWN_IN = {"PROPERTIES", "VIEW_3D"}
 """Editors that show progress."""

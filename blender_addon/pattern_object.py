@@ -6,9 +6,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from toile.blender_addon.garment_snapshot import HELD
-from toile.blender_addon.scene_folder import of_role
-from toile.blender_addon.space import moved, to_engine
+from toile.blender_addon.snapshot.garment_snapshot import HELD
+from toile.blender_addon.snapshot.scene_folder import of_role
+from toile.blender_addon.snapshot.space import moved, to_engine
 
 UV = "UVMap"
 

@@ -5,8 +5,8 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from toile.dress.fabrics import DEFAULT_FABRIC, fabrics
-from toile.dress.patterns import built_in_names
+from toile.dressing.garment.fabrics import DEFAULT_FABRIC, fabrics
+from toile.dressing.pattern.drafts import built_in_names
 
 FABRICS = fabrics()
 OWN_VALUES = {

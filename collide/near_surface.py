@@ -4,8 +4,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from toile.collide.search import AvatarSurface
-from toile.collide.shrunken import vertex_normals
 from toile.geometry.arrays import Float
+from toile.geometry.normals import vertex_normals
 
 
 def heights_above(avatar: AvatarSurface, points: Float, within: float) -> Float:

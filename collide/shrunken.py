@@ -14,6 +14,7 @@ from numba import types
 from toile.collide import bvh
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_F64_1, helper, kernel
+from toile.geometry.normals import vertex_normals
 
 THIN_SHARE = 0.35
 """Largest inward motion as a share of the local thickness: less than half, or opposite sides would cross."""
@@ -88,20 +89,6 @@ def _thickness(p, faces, normals, order, child, box, limit, thickness):  # type:
                 stack[depth + 1] = child[node, 1]
                 depth += 2
         thickness[v] = nearest
-
-
-def vertex_normals(vertices: Float, faces: Int) -> Float:
-    """Area-weighted unit normals, shape (v, 3)."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    face_normal = np.cross(b - a, c - a)
-    total = np.stack(
-        [
-            np.bincount(faces.ravel(), weights=np.repeat(face_normal[:, k], 3), minlength=len(vertices))
-            for k in range(3)
-        ],
-        axis=1,
-    )
-    return np.asarray(total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300))
 
 
 def shrunken(vertices: Float, faces: Int, depth: float) -> Float:

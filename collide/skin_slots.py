@@ -9,8 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from toile.collide.segments import SegmentTest
-from toile.collide.shrunken import vertex_normals
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.normals import vertex_normals
 from toile.geometry.topology import triangle_topology
 
 SLOT = 0.020

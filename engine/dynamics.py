@@ -13,15 +13,15 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from toile.engine.assembly import scatter_gradients, scatter_hessians
-from toile.engine.block_pattern import BlockPattern
-from toile.engine.cg import CgResult, solve
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.wind import Wind
-from toile.engine.integrators.stages import Stage
-from toile.engine.linear_system import LinearSystem
-from toile.engine.preconditioner.base import Preconditioner
-from toile.engine.preconditioner.choice import make_preconditioner
+from toile.engine.solve.assembly import scatter_gradients, scatter_hessians
+from toile.engine.solve.block_pattern import BlockPattern
+from toile.engine.solve.cg import CgResult, solve
+from toile.engine.solve.linear_system import LinearSystem
+from toile.engine.solve.preconditioner.base import Preconditioner
+from toile.engine.solve.preconditioner.choice import make_preconditioner
+from toile.engine.step.stages import Stage
 from toile.geometry.arrays import Bool, Float, Int
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toile.engine.cloth.fabric import Fabric
 from toile.engine.dynamics import Dynamics, Elements
-from toile.engine.fabric import Fabric
 from toile.engine.forces.spring import SpringDamping, Springs
 from toile.engine.forces.wind import AirFlow, Wind
 from toile.geometry.arrays import Bool, Float, Int

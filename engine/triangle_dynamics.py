@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toile.engine.cloth import Cloth
+from toile.engine.cloth.cloth import Cloth
 from toile.engine.dynamics import Dynamics, Elements
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.membrane import Membrane

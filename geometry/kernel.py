@@ -21,7 +21,7 @@ def _source_fingerprint() -> str:
     """Hash of every toile source file: numba's own cache misses edits in callees in other files."""
     digest = hashlib.sha256(numba.__version__.encode())
     root = Path(__file__).resolve().parent.parent
-    for folder in ("geometry", "collide", "remesh", "engine", "dress"):
+    for folder in ("geometry", "collide", "remesh", "engine", "dressing", "studies"):
         for path in sorted((root / folder).rglob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

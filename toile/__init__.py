@@ -13,57 +13,56 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from toile.dress.air import Air
-    from toile.dress.avatar import Avatar, load_avatar
-    from toile.dress.batch.batch import JobResult, batch
-    from toile.dress.batch.batch_stopped import BatchStopped
-    from toile.dress.batch.job import Job
-    from toile.dress.dress import dress, resume
-    from toile.dress.fabrics import fabric, fabrics
-    from toile.dress.garment_mesh import GarmentMesh
-    from toile.dress.mannequin import mannequin
-    from toile.dress.measure import measure
-    from toile.dress.progress import ProgressState
-    from toile.dress.result import DressedGarment, Result
-    from toile.dress.scene import AvatarFile, Garment, MannequinSize, Scene
-    from toile.dress.scene_file import load_scene
-    from toile.engine.fabric import Fabric
-    from toile.engine.vertex_motion import VertexMotion
+    from toile.dressing.batch.batch import JobResult, batch
+    from toile.dressing.batch.batch_stopped import BatchStopped
+    from toile.dressing.batch.job import Job
+    from toile.dressing.body.avatar import Avatar, load_avatar
+    from toile.dressing.body.mannequin import mannequin
+    from toile.dressing.body.measure import measure
+    from toile.dressing.garment.fabrics import fabric, fabrics
+    from toile.dressing.garment.garment_mesh import GarmentMesh
+    from toile.dressing.run.air import Air
+    from toile.dressing.run.dress import dress, resume
+    from toile.dressing.run.progress import ProgressState
+    from toile.dressing.run.result import DressedGarment, Result
+    from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
+    from toile.dressing.run.scene_file import load_scene
+    from toile.engine.cloth.fabric import Fabric
+    from toile.engine.cloth.vertex_motion import VertexMotion
     from toile.geometry.errors import InputError
 
     __version__: str
 
 if not (Path(__file__).parent / "geometry").is_dir():
-    raise ImportError(
-        "toile was checked out without symbolic links (toile/geometry is not a folder): "
-        "enable them with 'git config core.symlinks true' and check out again"
-    )
+    # A checkout without symbolic links, as on Windows: the packages lie one folder up.
+    __path__ = [*__path__, str(Path(__file__).resolve().parents[1])]
 
 _HOME = {
-    "Air": "toile.dress.air",
-    "Avatar": "toile.dress.avatar",
-    "AvatarFile": "toile.dress.scene",
-    "BatchStopped": "toile.dress.batch.batch_stopped",
-    "VertexMotion": "toile.engine.vertex_motion",
-    "DressedGarment": "toile.dress.result",
-    "Fabric": "toile.engine.fabric",
-    "Garment": "toile.dress.scene",
-    "GarmentMesh": "toile.dress.garment_mesh",
+    "Air": "toile.dressing.run.air",
+    "Avatar": "toile.dressing.body.avatar",
+    "AvatarFile": "toile.dressing.run.scene",
+    "BatchStopped": "toile.dressing.batch.batch_stopped",
+    "VertexMotion": "toile.engine.cloth.vertex_motion",
+    "DressedGarment": "toile.dressing.run.result",
+    "Fabric": "toile.engine.cloth.fabric",
+    "Garment": "toile.dressing.run.scene",
+    "GarmentMesh": "toile.dressing.garment.garment_mesh",
     "InputError": "toile.geometry.errors",
-    "Job": "toile.dress.batch.job",
-    "JobResult": "toile.dress.batch.batch",
-    "MannequinSize": "toile.dress.scene",
-    "ProgressState": "toile.dress.progress",
-    "Result": "toile.dress.result",
-    "Scene": "toile.dress.scene",
-    "batch": "toile.dress.batch.batch",
-    "fabric": "toile.dress.fabrics",
-    "fabrics": "toile.dress.fabrics",
-    "load_avatar": "toile.dress.avatar",
-    "load_scene": "toile.dress.scene_file",
-    "mannequin": "toile.dress.mannequin",
-    "measure": "toile.dress.measure",
-    "resume": "toile.dress.dress",
+    "Job": "toile.dressing.batch.job",
+    "JobResult": "toile.dressing.batch.batch",
+    "MannequinSize": "toile.dressing.run.scene",
+    "ProgressState": "toile.dressing.run.progress",
+    "Result": "toile.dressing.run.result",
+    "Scene": "toile.dressing.run.scene",
+    "batch": "toile.dressing.batch.batch",
+    "dress": "toile.dressing.run.dress",
+    "fabric": "toile.dressing.garment.fabrics",
+    "fabrics": "toile.dressing.garment.fabrics",
+    "load_avatar": "toile.dressing.body.avatar",
+    "load_scene": "toile.dressing.run.scene_file",
+    "mannequin": "toile.dressing.body.mannequin",
+    "measure": "toile.dressing.body.measure",
+    "resume": "toile.dressing.run.dress",
 }
 """Public name to the module that defines it."""
 
@@ -98,9 +97,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Load a public name from its module."""
-    if name == "dress":
-        # The package of that name; it can be called (see toile/dress/__init__.py).
-        return import_module("toile.dress")
     if name == "__version__":
         from importlib.metadata import version
 

@@ -11,7 +11,7 @@ converge.
 import numpy as np
 import scipy.sparse as sp
 
-from toile.engine.cloth import Cloth
+from toile.engine.cloth.cloth import Cloth
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import Topology, triangle_topology

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toile.engine.linear_system import ContactStencils
+from toile.engine.solve.linear_system import ContactStencils
 from toile.geometry.arrays import Float, Int
 
 

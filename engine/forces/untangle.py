@@ -16,7 +16,7 @@ shorter: it is left to stretch and bending.
 import numpy as np
 
 from toile.collide.audit import crossings_within
-from toile.engine.linear_system import ContactStencils
+from toile.engine.solve.linear_system import ContactStencils
 from toile.geometry.arrays import Float, Int
 
 REACH = 0.003

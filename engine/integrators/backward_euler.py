@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.motion import Motion, StepDone, step_done
 from toile.engine.integrators.newton import NewtonOptions, minimise
-from toile.engine.integrators.stages import backward_euler_stage
+from toile.engine.step.stages import backward_euler_stage
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.motion import Motion, StepDone
-from toile.engine.integrators.stages import backward_euler_stage
+from toile.engine.step.stages import backward_euler_stage
 
 
 @dataclass(frozen=True, kw_only=True)

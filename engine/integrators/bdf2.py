@@ -11,7 +11,7 @@ import numpy as np
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.motion import Before, Motion, StepDone, step_done
 from toile.engine.integrators.newton import NewtonOptions, minimise
-from toile.engine.integrators.stages import backward_euler_stage, bdf2_stage
+from toile.engine.step.stages import backward_euler_stage, bdf2_stage
 from toile.geometry.arrays import Float
 
 LARGEST_GROWTH = 2.0

@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol
 
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.newton import NewtonResult
-from toile.engine.integrators.stages import Stage
+from toile.engine.step.stages import Stage
 from toile.geometry.arrays import Float
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toile.engine.dynamics import Dynamics
-from toile.engine.integrators.stages import Stage
+from toile.engine.step.stages import Stage
 from toile.geometry.arrays import Float
 
 SUFFICIENT = 1e-4

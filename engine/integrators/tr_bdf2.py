@@ -11,7 +11,7 @@ import numpy as np
 from toile.engine.dynamics import Dynamics
 from toile.engine.integrators.motion import Motion, StepDone, step_done
 from toile.engine.integrators.newton import NewtonOptions, minimise
-from toile.engine.integrators.stages import GAMMA, tr_bdf2_stage, trapezoidal_stage
+from toile.engine.step.stages import GAMMA, tr_bdf2_stage, trapezoidal_stage
 
 ERROR = 2.0 * (-3.0 * GAMMA**2 + 4.0 * GAMMA - 2.0) / (12.0 * (2.0 - GAMMA))
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tests.blender_addon.conftest import Blender
-from toile.dress.dress import dress
-from toile.dress.result import DressedGarment
-from toile.dress.scene_file import load_scene
+from toile.dressing.run.dress import dress
+from toile.dressing.run.result import DressedGarment
+from toile.dressing.run.scene_file import load_scene
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.blender_addon.conftest import Blender
-from toile.dress.cli import main
+from toile.dressing.cli.main import main
 
 
 @pytest.fixture(scope="module")

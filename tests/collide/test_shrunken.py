@@ -6,8 +6,9 @@ import trimesh
 
 from tests.collide.surfaces import stacked
 from toile.collide.audit import Auditor
-from toile.collide.shrunken import WIDE_GAP, shrunken, vertex_normals
+from toile.collide.shrunken import WIDE_GAP, shrunken
 from toile.geometry.arrays import Float, Int
+from toile.geometry.normals import vertex_normals
 
 
 def arrays(mesh: trimesh.Trimesh) -> tuple[Float, Int]:

@@ -1,17 +1,12 @@
 """The example drapes: nothing crosses, and the shirt hangs where a shirt hangs."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from examples.dress_mannequin import main
 
 
-@pytest.mark.skipif(
-    importlib.util.find_spec("toile.dress.drape") is None, reason="toile/dress/drape.py is not there yet"
-)
 def test_example_drapes_without_crossings(tmp_path: Path) -> None:
     result = main(str(tmp_path), quality="preview")
 

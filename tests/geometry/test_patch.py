@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.geometry.arrays import Float, Int
 from toile.geometry.patch import Patches, bending_patches
 from toile.geometry.topology import triangle_topology
+from toile.studies.scenes.flat_meshes import KINDS, mesh
 
 
 def patches_of(points: Float, faces: Int, rest: Float | None = None) -> Patches:

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from toile.dress.benchmarks.flat_meshes import KINDS, mesh
 from toile.geometry.topology import triangle_topology
+from toile.studies.scenes.flat_meshes import KINDS, mesh
 
 
 @pytest.mark.parametrize("kind", KINDS)

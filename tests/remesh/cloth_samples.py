@@ -7,7 +7,7 @@ from scipy.spatial import Delaunay
 
 from toile.geometry.arrays import Float, Int
 from toile.geometry.topology import triangle_topology
-from toile.remesh.cloth_mesh import ClothMesh
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 FLAT_FRAME = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
 

@@ -10,8 +10,8 @@ from scipy.spatial import ConvexHull
 
 from tests.remesh.cloth_samples import FLAT_FRAME, cloth, delaunay_faces, grid_faces, own_frames
 from toile.geometry.arrays import Bool, Float, Int
-from toile.remesh.acceptance import Accept, Proposals
-from toile.remesh.cloth_mesh import ClothMesh
+from toile.remesh.adapt.acceptance import Accept, Proposals
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 Random = np.random.Generator
 

@@ -25,13 +25,13 @@ from tests.remesh.cloth_samples import (
 )
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
-from toile.remesh.acceptance import Proposals
-from toile.remesh.adapt import AdaptResult, adapt
-from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.edge_size import metric_aspects
-from toile.remesh.mesh_in_work import MeshInWork
-from toile.remesh.packed_tensor import packed
-from toile.remesh.split import split_round
+from toile.remesh.adapt.acceptance import Proposals
+from toile.remesh.adapt.adapt import AdaptResult, adapt
+from toile.remesh.adapt.mesh_in_work import MeshInWork
+from toile.remesh.adapt.split import split_round
+from toile.remesh.mesh.cloth_mesh import ClothMesh
+from toile.remesh.sizing.edge_size import metric_aspects
+from toile.remesh.sizing.packed_tensor import packed
 
 STARTS: dict[str, Callable[[], ClothMesh]] = {
     "grid": lambda: right_grid(12),

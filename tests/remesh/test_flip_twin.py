@@ -10,11 +10,11 @@ from scipy.spatial import Delaunay
 from tests.remesh.cloth_samples import cloth, own_frames
 from toile.geometry.arrays import Float, Int
 from toile.geometry.topology import triangle_topology
-from toile.remesh import flip
-from toile.remesh.acceptance import Gate
-from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.flip import FLIP_MARGIN, WELL_SHAPED, flip_edges
-from toile.remesh.mesh_in_work import MeshInWork
+from toile.remesh.adapt import flip
+from toile.remesh.adapt.acceptance import Gate
+from toile.remesh.adapt.flip import FLIP_MARGIN, WELL_SHAPED, flip_edges
+from toile.remesh.adapt.mesh_in_work import MeshInWork
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 TWO_FACES = np.array([[0, 1, 2], [3, 2, 1]], np.int32)
 """The quad a, b, c, d with its diagonal bc."""

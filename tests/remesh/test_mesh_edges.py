@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from toile.geometry.arrays import Float, Int
-from toile.remesh.mesh_edges import BORDER, FLATNESS, INNER, SEAM, TANGLED, build_edges, pair_keys
-from toile.remesh.node_faces import node_faces
-from toile.remesh.panel_mesh import triangulate_panel
+from toile.remesh.mesh.mesh_edges import BORDER, FLATNESS, INNER, SEAM, TANGLED, build_edges, pair_keys
+from toile.remesh.mesh.node_faces import node_faces
+from toile.remesh.panel.panel_mesh import triangulate_panel
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 

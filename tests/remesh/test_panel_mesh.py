@@ -5,8 +5,13 @@ import pytest
 from scipy.spatial import Delaunay
 
 from toile.geometry.arrays import Float, Int
-from toile.remesh.delaunay_flip import flip_to_delaunay, neighbours_across
-from toile.remesh.panel_mesh import PanelMesh, PanelMeshOptions, constrained_triangles, triangulate_panel
+from toile.remesh.panel.delaunay_flip import flip_to_delaunay, neighbours_across
+from toile.remesh.panel.panel_mesh import (
+    PanelMesh,
+    PanelMeshOptions,
+    constrained_triangles,
+    triangulate_panel,
+)
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 L_SHAPE = np.array([[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.5], [0.0, 0.5]])

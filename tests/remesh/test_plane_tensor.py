@@ -3,7 +3,7 @@
 import numpy as np
 
 from toile.geometry.arrays import Float
-from toile.remesh.plane_tensor import eigenvalues, smallest_dominating, turned, with_eigenvalues
+from toile.remesh.sizing.plane_tensor import eigenvalues, smallest_dominating, turned, with_eigenvalues
 
 
 def random_metrics(count: int, seed: int) -> Float:

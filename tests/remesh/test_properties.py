@@ -26,8 +26,8 @@ from tests.remesh.random_cloth import (
 )
 from tests.remesh.validity import check_arrays, check_change, check_momentum, check_surface, sides_of
 from toile.geometry.arrays import Float
-from toile.remesh.adapt import AdaptResult, adapt
-from toile.remesh.cloth_mesh import ClothMesh
+from toile.remesh.adapt.adapt import AdaptResult, adapt
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 PASSES = 3
 SEEDS = st.integers(0, 2**32 - 1)

@@ -18,9 +18,9 @@ from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import triangle_topology
-from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.plane_tensor import eigenvalues
-from toile.remesh.sizing import (
+from toile.remesh.mesh.cloth_mesh import ClothMesh
+from toile.remesh.sizing.plane_tensor import eigenvalues
+from toile.remesh.sizing.sizing import (
     SizingOptions,
     clamped,
     compression_metric,
@@ -28,8 +28,8 @@ from toile.remesh.sizing import (
     obstacle_metric,
     velocity_metric,
 )
-from toile.remesh.smooth_curvature import smoothed_curvature
-from toile.remesh.vertex_tensors import vertex_tensors
+from toile.remesh.sizing.smooth_curvature import smoothed_curvature
+from toile.remesh.sizing.vertex_tensors import vertex_tensors
 
 OPTIONS = SizingOptions(size_min=0.005, size_max=0.1)
 UNSTRETCHED = np.array([[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]])

@@ -4,9 +4,9 @@ import numpy as np
 
 from tests.remesh.cloth_samples import random_delaunay, ridge, right_grid, sewn_panels, uniform
 from toile.geometry.arrays import Float
-from toile.remesh.adapt import AdaptResult, adapt
-from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.momentum import Motion, with_momentum_of
+from toile.remesh.adapt.adapt import AdaptResult, adapt
+from toile.remesh.adapt.momentum import Motion, with_momentum_of
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 
 def lumped_mass(mesh: ClothMesh) -> Float:

@@ -7,9 +7,9 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from toile.geometry.arrays import Bool, Float, Int
-from toile.remesh.adapt import AdaptResult
-from toile.remesh.cloth_mesh import ClothMesh
-from toile.remesh.momentum import Motion, with_momentum_of
+from toile.remesh.adapt.adapt import AdaptResult
+from toile.remesh.adapt.momentum import Motion, with_momentum_of
+from toile.remesh.mesh.cloth_mesh import ClothMesh
 
 
 class Sides(NamedTuple):

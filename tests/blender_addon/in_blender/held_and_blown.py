@@ -11,7 +11,7 @@ import numpy as np
 import small_scene as small
 
 import toile.blender_addon
-from toile.blender_addon.scene_folder import write_scene
+from toile.blender_addon.snapshot.scene_folder import write_scene
 
 FRAMES = 8
 folder = Path(sys.argv[1])

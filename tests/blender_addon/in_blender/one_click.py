@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import small_scene as small
 
-from toile.dress.mannequin import mannequin
+from toile.dressing.body.mannequin import mannequin
 
 folder, pattern_file = Path(sys.argv[1]), sys.argv[2]
 small.empty_file(folder)

@@ -12,7 +12,7 @@ import small_scene as small
 import toile.blender_addon
 from toile.blender_addon.dressing import dress_steps
 from toile.blender_addon.run import Current, Run
-from toile.blender_addon.scene_folder import write_scene
+from toile.blender_addon.snapshot.scene_folder import write_scene
 
 folder = Path(sys.argv[1])
 found: dict[str, object] = {}

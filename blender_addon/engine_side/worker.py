@@ -1,0 +1,119 @@
+"""The engine's side: reads a scene folder, computes, writes frames, and speaks JSON lines.
+
+Every line is an object with one of: `say` (a sentence), `progress` (frame, max_frames, faces, contacts,
+seconds_left), `frame` (a frame is on disk), `done` (status and figures), `error` (one sentence; perhaps
+`garment` and `faces` at fault).
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from toile.geometry.errors import InputError
+
+SIDECAR = "toile.json"
+"""What a cache folder says about itself."""
+
+
+def main(arguments: list[str]) -> int:
+    """Do the job in a scene folder: `dress` it or `draft` its pattern. Return 0 for success."""
+    task, folder = arguments[0], Path(arguments[1])
+    try:
+        (_draft if task == "draft" else _dress)(folder)
+    except InputError as error:
+        _tell(error=_plain(error, folder), faces=list(error.faces), garment=_named_garment(error, folder))
+        return 2
+    except BrokenPipeError:
+        return 1
+    except Exception as error:
+        if os.environ.get("TOILE_TRACEBACK"):
+            raise
+        _tell(error=f"the engine broke down ({type(error).__name__}: {' '.join(str(error).split())})")
+        return 1
+    return 0
+
+
+def _tell(**message: Any) -> None:
+    """Write one line to Blender."""
+    sys.stdout.write(json.dumps(message) + "\n")
+    sys.stdout.flush()
+
+
+def _plain(error: InputError, folder: Path) -> str:
+    """Return the message with object names where it has files of the scene folder."""
+    return " ".join(str(error).split()).replace(f"{folder}{os.sep}", "").replace(".npz", "")
+
+
+def _named_garment(error: InputError, folder: Path) -> str:
+    """Return the name of the garment that the message names, or whose file, or nothing."""
+    text = str(error)
+    found = (path.stem for path in folder.glob("*.npz") if str(path) in text or f"'{path.stem}'" in text)
+    return next(found, "")
+
+
+def _dress(folder: Path) -> None:
+    """Dress the scene of a folder, frame by frame into the cache folders of its garments."""
+    from toile.blender_addon.engine_side.frames import FrameWriter
+    from toile.dressing.run.dress import dress
+    from toile.dressing.run.progress import ProgressState
+    from toile.dressing.run.result import DressedGarment
+    from toile.dressing.run.scene_file import load_scene
+
+    job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    scene = load_scene(folder / "scene.toml")
+    writers = [FrameWriter(folder, entry, job) for entry in job["garments"]]
+
+    def on_frame(state: ProgressState) -> None:
+        _tell(
+            progress={
+                "frame": state.frame, "max_frames": state.max_frames, "faces": state.faces,
+                "contacts": state.contacts, "seconds_left": state.seconds_left,
+            }
+        )  # fmt: skip
+
+    def record(frame: int, garments: tuple[DressedGarment, ...]) -> None:
+        for writer, garment in zip(writers, garments, strict=True):
+            writer.add(frame, garment)
+        _tell(frame=job["first_frame"] + frame)
+
+    result = dress(scene, None, on_frame, lambda text: _tell(say=text), record)
+    report, failure = result.report, result.failure
+    state = "failed" if result.status == "failed" else "complete"
+    for writer in writers:
+        writer.close(state, report)
+    if failure is not None:
+        at_fault = [(job["garments"][index]["stem"], faces) for index, faces in enumerate(failure.faces)]
+        stem, faces = next(((stem, faces) for stem, faces in at_fault if len(faces)), ("", ()))
+        where = f" ({failure.where})" if failure.where else ""
+        _tell(error=failure.message + where, garment=stem, faces=[int(face) for face in faces])
+        return
+    figures = ("status", "frames", "faces", "intersections", "wall_seconds", "cpu_seconds")
+    _tell(done={key: report[key] for key in figures})
+
+
+def _draft(folder: Path) -> None:
+    """Draft a pattern to the body of a folder and place it; it becomes draft.npz."""
+    import numpy as np
+
+    from toile.dressing.body.dress_form import DressForm
+    from toile.dressing.pattern.sewing_edges import sewing_edges
+    from toile.dressing.run.dress import load_scene_avatar
+    from toile.dressing.run.garment_source import check_source, default_name, load_garment
+    from toile.dressing.run.quality import COARSEST, quality_preset
+    from toile.dressing.run.scene_file import load_scene
+
+    scene = load_scene(folder / "scene.toml")
+    garment = scene.garments[0]
+    check_source(garment)
+    avatar = load_scene_avatar(scene)
+    finest = scene.edge_length or quality_preset(scene.quality).edge_length
+    sewn = sewing_edges(finest, COARSEST * finest)[0]
+    mesh = load_garment(garment, default_name(garment), DressForm(avatar), sewn)
+    labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
+    np.savez(
+        folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,
+        panel=mesh.panel, **labels,
+    )  # fmt: skip
+    _tell(done={"name": mesh.name, "panels": list(mesh.panel_names)})

@@ -1,0 +1,1 @@
+"""From Blender's data to the files of a scene folder."""

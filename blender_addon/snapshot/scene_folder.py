@@ -1,0 +1,167 @@
+"""The folder that the engine reads: scene.toml, job.json, the avatar, a file per garment."""
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from toile.blender_addon.problem import Problem
+from toile.blender_addon.properties import OWN_VALUES
+from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
+from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
+from toile.blender_addon.snapshot.space import metres_per_unit
+from toile.blender_addon.snapshot.wind import air_toml
+from toile.dressing.files.writers.npz_motion import MotionWriter
+
+
+def of_role(scene: Any, role: str) -> list[Any]:
+    """Return the mesh objects of a scene that play a role, garments from the body outwards."""
+    found = [obj for obj in scene.objects if obj.type == "MESH" and obj.toile.role == role]
+    return sorted(found, key=lambda obj: (obj.toile.layer, obj.name))
+
+
+def cache_folder(obj: Any) -> str:
+    """Return the folder of an object's frames, relative to the .blend file."""
+    return f"//toile_{Path(bpy.data.filepath).stem}/{file_stem(obj.name)}"
+
+
+def file_stem(name: str) -> str:
+    """Return a name that every file system and USD accept."""
+    return re.sub(r"[^\w-]+", "_", name).strip("_") or "garment"
+
+
+def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Iterator[str]:
+    """Write all that the engine needs, a bit at a time; yield what is being done.
+
+    `pattern` is what is to be drafted to the avatar, instead of the garments of the scene.
+    """
+    scene, settings = context.scene, context.scene.toile
+    avatars, garments = of_role(scene, "AVATAR"), of_role(scene, "GARMENT")
+    if not avatars:
+        raise Problem("no avatar: mark the body as avatar in its Physics properties")
+    if pattern is None and not garments:
+        raise Problem("no garment: mark one in its Physics properties, or use Dress This Body")
+    films = pattern is None and settings.mode == "SIMULATE"
+    frames = list(range(settings.frame_start, settings.frame_end + 1)) if films else [scene.frame_current]
+    if films and len(frames) < 2:
+        raise Problem("a simulation needs two frames at least: set its end after its start")
+    seen: list[GarmentSnapshot] = []
+    fps = scene.render.fps / scene.render.fps_base
+    before = scene.frame_current, scene.frame_subframe
+    with fed_by_modifiers_above(garments):
+        try:
+            body: AvatarSnapshot | None = None
+            writer: MotionWriter | None = None
+            air: list[str] = []
+            for frame in frames:
+                if films:
+                    scene.frame_set(frame)
+                depsgraph = context.evaluated_depsgraph_get()
+                if body is None:
+                    body = AvatarSnapshot(avatars, scene)
+                    air = air_toml(scene) if films else []
+                    for _ in body.read(depsgraph):
+                        yield "reading the avatar"
+                    for obj, stem in zip(garments, stems(garments), strict=True) if pattern is None else ():
+                        seen.append(GarmentSnapshot(obj, stem, scene, folder, len(frames)))
+                        for _ in seen[-1].read(context.evaluated_depsgraph_get()):
+                            yield f"reading {obj.name}"
+                    depsgraph = context.evaluated_depsgraph_get()
+                vertices = body.see(depsgraph)
+                for garment in seen:
+                    garment.see(depsgraph)
+                if not films:
+                    write_still(folder, vertices, body.faces)
+                    continue
+                if writer is None:
+                    writer = MotionWriter(folder / MOVING, "vertices", len(frames), len(vertices))
+                writer.add(vertices)
+                yield f"reading frame {frame}"
+            if writer is not None and body is not None:
+                writer.close(faces=body.faces, fps=fps)
+        finally:
+            if films:
+                scene.frame_set(before[0], subframe=before[1])
+    for garment in seen:
+        garment.write(fps)
+        yield f"reading {garment.obj.name}"
+    text = _scene_toml(scene, films, seen, pattern, air)
+    (folder / "scene.toml").write_text(text, encoding="utf-8")
+    job = {
+        "first_frame": frames[0],
+        "sequence": films,
+        "garments": [_entry(garment, text) for garment in seen],
+    }
+    (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
+
+
+def stems(garments: list[Any]) -> list[str]:
+    """Return a file name for every garment, each another."""
+    names: list[str] = []
+    for obj in garments:
+        stem = file_stem(obj.name)
+        while stem in names or stem in ("avatar", "draft"):
+            stem += "_"
+        names.append(stem)
+    return names
+
+
+def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
+    """Return what the writer of a garment's frames must know."""
+    obj = garment.obj
+    geometry = b"".join(garment.arrays[key].tobytes() for key in ("faces", "uv_faces", "uv"))
+    return {
+        "stem": garment.stem,
+        "cache": bpy.path.abspath(cache_folder(obj)),
+        "keep_topology": obj.toile.keep_topology,
+        "fingerprints": {
+            "settings": hashlib.sha256(text.encode()).hexdigest()[:16],
+            "topology": hashlib.sha256(geometry).hexdigest()[:16],
+        },
+    }
+
+
+def _scene_toml(
+    scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: str | None, air: list[str]
+) -> str:
+    """Return toile's own scene file."""
+    settings, scale = scene.toile, metres_per_unit(scene)
+    lines = [f'quality = "{settings.quality}"']
+    gravity = max(-scene.gravity[2], 0.0) if scene.use_gravity else 0.0
+    lines.append(f"gravity = {gravity:.6f}")
+    if settings.size_min > 0.0:
+        lines.append(f"edge_length = {scale * settings.size_min:.6f}")
+    if not settings.use_remesh:
+        lines.append("remesh = false")
+    elif settings.size_max > 0.0:
+        lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
+    lines += air
+    lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
+    if pattern is not None:
+        lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]
+    for garment in seen:
+        fabric = f"fabric of {garment.obj.name}"
+        lines += [
+            "[[garment]]", f'source = "./{garment.stem}.npz"', f'name = "{garment.stem}"',
+            f"fabric = {json.dumps(fabric, ensure_ascii=False)}",
+        ]  # fmt: skip
+    for garment in seen:
+        lines += _fabric_toml(garment.obj, scale)
+    return "\n".join(lines) + "\n"
+
+
+def _fabric_toml(obj: Any, scale: float) -> list[str]:
+    """Return the table of an object's fabric."""
+    own, name = obj.toile, json.dumps(f"fabric of {obj.name}", ensure_ascii=False)
+    lines = [f"[fabric.{name}]", f'like = "{own.fabric}"']
+    if own.use_own_values:
+        for value in OWN_VALUES:
+            size = 1e-6 if value.startswith("bending") else 1.0
+            lines.append(f"{value} = {size * getattr(own, value):.9g}")
+    if own.thickness > 0.0:
+        lines.append(f"thickness = {scale * own.thickness:.9g}")
+    return lines

@@ -1,0 +1,56 @@
+"""Blender's wind as the engine knows it, the same everywhere; what is said of other force fields."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from toile.blender_addon.problem import Problem
+from toile.blender_addon.snapshot.space import Y_UP
+from toile.dressing.run.air import FASTEST
+
+
+def _fields(scene: Any, *, wind: bool) -> list[Any]:
+    """Return the objects with a force field, of wind or of another kind."""
+    found = [obj for obj in scene.objects if obj.field is not None and obj.field.type != "NONE"]
+    return [obj for obj in found if (obj.field.type == "WIND") is wind and not obj.hide_viewport]
+
+
+def air_toml(scene: Any) -> list[str]:
+    """Return the table of the air as it is in the present frame; nothing without a wind.
+
+    A wind blows along its object's Z axis, at its strength [m/s]; its noise is the standard deviation of
+    gusts [m/s]. Several add up. One of strength 0 is still air.
+    """
+    winds = _fields(scene, wind=True)
+    if not winds:
+        return []
+    along = [np.array(obj.matrix_world, np.float64)[:3, 2] for obj in winds]
+    velocity = Y_UP @ sum(
+        obj.field.strength * axis / max(float(np.linalg.norm(axis)), 1e-12)
+        for obj, axis in zip(winds, along, strict=True)
+    )
+    speed = float(np.linalg.norm(velocity))
+    if speed > FASTEST:
+        raise Problem(f"wind '{winds[0].name}' blows at {speed:.0f} m/s, toile knows up to {FASTEST:g}: "
+                      "lower its strength")  # fmt: skip
+    noise = math.hypot(*(obj.field.noise for obj in winds))
+    lines = ["[air]", f"velocity = [{', '.join(f'{part:.6f}' for part in velocity)}]"]
+    if noise and speed:
+        lines += [f"gusts = {min(noise / speed, 1.0):.6f}", f"seed = {winds[0].field.seed}"]
+    return lines
+
+
+def not_understood(scene: Any, films: bool) -> list[str]:
+    """Return a sentence for every force field that does nothing, or not all that it does in Blender."""
+    notes = [
+        f"force field '{obj.name}' does nothing: toile knows wind only, not {obj.field.type.lower()}"
+        for obj in _fields(scene, wind=False)
+    ]
+    for obj in _fields(scene, wind=True):
+        field = obj.field
+        if not films:
+            notes.append(f"wind '{obj.name}' does nothing: it acts on garments that follow a body (Simulate)")
+        elif field.falloff_power > 0.0 or field.use_max_distance or field.use_min_distance:
+            notes.append(f"wind '{obj.name}' blows the same everywhere, without its falloff")
+    return notes

@@ -1,0 +1,137 @@
+"""Jobs from a file: a CSV table, or JSON objects one per line."""
+
+import csv
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from toile.dressing.batch.job import Job, job_name
+from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.run.scene_file import SCENE_KEYS, scene_of_line
+from toile.geometry.errors import InputError
+
+AVATAR_KEYS = tuple(key for key in SCENE_KEYS["avatar"] if key != "file")
+SCENE_COLUMNS = ("quality", "edge_length", "remesh", "max_frames", "gravity", "friction")
+COLUMNS = ("name", "avatar", "garment", "fabric", *SCENE_COLUMNS, *AVATAR_KEYS)
+"""Columns of a CSV file; of JSON objects they are keys, beside all keys of a scene file."""
+FORMATS = (".csv", ".jsonl")
+
+
+class JobsFile:
+    """The jobs of a file, read anew each time they are gone through; checked as a whole when opened."""
+
+    def __init__(self, path: Path, defaults: Mapping[str, Any]) -> None:
+        """Check all jobs.
+
+        `defaults` are values of columns where a job has none. Raises InputError naming the file and the line.
+        """
+        self._path, self._defaults = path, dict(defaults)
+        if path.suffix.lower() not in FORMATS:
+            raise InputError(f"{path}: unknown kind of jobs file; use one of {', '.join(FORMATS)}")
+        lines: dict[str, int] = {}
+        for line, job in self._jobs():
+            if job.name in lines:
+                raise InputError(
+                    f"{path}, line {line}: job '{job.name}' is there twice, first in line {lines[job.name]}; "
+                    "give each a name of its own"
+                )
+            lines[job.name] = line
+        if not lines:
+            raise InputError(f"{path}: holds no jobs")
+        self._count = len(lines)
+
+    def __len__(self) -> int:
+        """Return the number of jobs."""
+        return self._count
+
+    def __iter__(self) -> Iterator[Job]:
+        """Go through the jobs."""
+        return (job for _, job in self._jobs())
+
+    def _jobs(self) -> Iterator[tuple[int, Job]]:
+        """Yield every job with its line."""
+        try:
+            with open(self._path, newline="", encoding="utf-8-sig") as file:
+                rows = self._csv(file) if self._path.suffix.lower() == ".csv" else self._json(file)
+                for line, row in rows:
+                    yield line, self._job(line, row)
+        except FileNotFoundError:
+            raise InputError(f"{self._path}: there is no such jobs file; check the path") from None
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise InputError(f"{self._path}: cannot be read as a jobs file ({error})") from None
+
+    def _csv(self, file: Any) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the rows of a table, numbers as numbers, empty cells left out."""
+        reader = csv.DictReader(file, skipinitialspace=True)
+        for column in reader.fieldnames or ():
+            if column not in COLUMNS:
+                raise InputError(f"{self._path}, line 1: {unknown_name('column', column, COLUMNS)}")
+        columns = list(reader.fieldnames or ())
+        if len(set(columns)) < len(columns):
+            twice = next(column for column in columns if columns.count(column) > 1)
+            raise InputError(f"{self._path}, line 1: column '{twice}' is there twice")
+        for row in reader:
+            line = reader.line_num
+            if None in row or None in row.values():
+                raise InputError(
+                    f"{self._path}, line {line}: has another number of cells than line 1 has columns"
+                )
+            filled = {column: cell.strip() for column, cell in row.items() if cell.strip()}
+            yield line, {column: self._value(line, column, cell) for column, cell in filled.items()}
+
+    def _value(self, line: int, column: str, cell: str) -> Any:
+        """Return a cell as what its column holds."""
+        kind = (SCENE_KEYS[""] | SCENE_KEYS["avatar"]).get(column, (str, ""))[0]
+        if kind is str or column in ("avatar", "garment", "fabric"):
+            return cell
+        if cell.lower() in ("true", "false"):
+            return cell.lower() == "true"
+        try:
+            return int(cell) if kind is int else float(cell)
+        except ValueError:
+            raise InputError(f"{self._path}, line {line}: {column} must be a number, got '{cell}'") from None
+
+    def _json(self, file: Any) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield the objects of a file with one per line."""
+        known = dict.fromkeys((*COLUMNS, *SCENE_KEYS[""]))
+        for line, text in enumerate(file, start=1):
+            if not text.strip():
+                continue
+            try:
+                row = json.loads(text)
+            except ValueError as error:
+                raise InputError(f"{self._path}, line {line}: not valid JSON: {error}") from None
+            if not isinstance(row, dict):
+                raise InputError(f"{self._path}, line {line}: must be a JSON object, got {text.strip()[:40]}")
+            for key in row:
+                if key not in known:
+                    raise InputError(f"{self._path}, line {line}: {unknown_name('key', key, known)}")
+            yield line, row
+
+    def _job(self, line: int, row: Mapping[str, Any]) -> Job:
+        """Return the job of a row."""
+        row = self._defaults | dict(row)
+        data: dict[str, Any] = {key: value for key, value in row.items() if key in SCENE_KEYS[""]}
+        avatar = row.get("avatar", {})
+        avatar = {"file": avatar} if isinstance(avatar, str) else dict(avatar)
+        avatar |= {key: row[key] for key in AVATAR_KEYS if key in row}
+        garments = row.get("garment", [])
+        if isinstance(garments, str):
+            garments = [part.strip() for part in garments.split(";")]
+        garments = [{"source": entry} if isinstance(entry, str) else entry for entry in garments]
+        if isinstance(fabric := row.get("fabric"), str):
+            data.pop("fabric")
+            fabrics = [part.strip() for part in fabric.split(";")]
+            if len(fabrics) not in (1, len(garments)):
+                raise InputError(
+                    f"{self._path}, line {line}: {len(fabrics)} fabrics for {len(garments)} garments"
+                )
+            fabrics = fabrics * len(garments) if len(fabrics) == 1 else fabrics
+            garments = [{"fabric": name} | entry for name, entry in zip(fabrics, garments, strict=True)]
+        data |= {"garment": garments} | ({"avatar": avatar} if avatar else {})
+        scene = scene_of_line(data, self._path, line)
+        try:
+            return Job(str(row["name"]) if "name" in row else job_name(scene), scene)
+        except InputError as error:
+            raise InputError(f"{self._path}, line {line}: {error}") from None

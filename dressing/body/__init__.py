@@ -1,0 +1,1 @@
+"""Bodies: avatars read and repaired, the built-in mannequin, measurements."""

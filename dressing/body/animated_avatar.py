@@ -1,0 +1,147 @@
+"""Reads an avatar that moves: .npz of vertices over time, animated glTF, or a folder of a mesh per frame."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from toile.dressing.body.avatar import FORMATS, Avatar, avatar_of, checked_frame_words, read_triangles
+from toile.dressing.body.avatar_units import upright
+from toile.dressing.files.animated_gltf import read_animated_gltf
+from toile.dressing.files.gltf_file import has_animation
+from toile.dressing.files.npz_file import npz_arrays
+from toile.dressing.files.surface_check import check_vertex_numbers
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import InputError
+
+DEFAULT_FPS = 24.0
+GLTF = (".glb", ".gltf")
+SAME = 1e-6
+"""Distance at which a repaired vertex counts as one of the file's [m]."""
+BOUND_TO = 4
+"""Vertices of the file that a new vertex, of a closed hole, say, follows."""
+
+
+def is_animated(path: Path) -> bool:
+    """Whether a path names what `load_animated_avatar` reads."""
+    return (
+        path.suffix.lower() == ".npz"
+        or path.is_dir()
+        or (path.suffix.lower() in GLTF and has_animation(path))
+    )
+
+
+def load_animated_avatar(
+    path: Path, *, units: str | None = None, up: str | None = None, fps: float | None = None
+) -> Avatar:
+    """Read a body and its motion; the body is the first frame, repaired.
+
+    Parameters
+    ----------
+    path
+        An .npz file with `vertices` (or `positions`), shape (k, v, 3), `faces`, shape (f, 3), and perhaps
+        `fps`; a .glb or .gltf file with an animation, the first of which counts; or a folder of mesh files
+        of the same vertices and faces, ordered by numbers in their names.
+    units, up
+        As for `load_avatar`, recognised from the first frame where None.
+    fps
+        Frames per second, at which a glTF animation is sampled; None takes the file's own, or 24.
+
+    Raises
+    ------
+    InputError
+        If something is missing, of the wrong shape or not finite, or if frames differ in their faces.
+    """
+    checked_frame_words(path.name, units, up)
+    if fps is not None and not 0.0 < fps < np.inf:
+        raise InputError(f"{path}: fps must be greater than zero, got {fps:g}")
+    own_fps: float | None = None
+    said: tuple[str, ...] = ()
+    is_gltf = not path.is_dir() and path.suffix.lower() in GLTF
+    if is_gltf:
+        sampled = read_animated_gltf(path, fps or DEFAULT_FPS)
+        frames, faces, said = sampled.frames, sampled.faces, (sampled.note,)
+    else:
+        frames, faces, own_fps = _read_folder(path) if path.is_dir() else _read_npz(path)
+    if len(frames) < 2:
+        raise InputError(
+            f"{path}: a motion needs two frames at least, got {len(frames)}; give a mesh instead"
+        )
+    bad = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
+    if len(bad):
+        raise InputError(f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again")
+    first = np.ascontiguousarray(frames[0], np.float64)
+    avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=is_gltf)
+    metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
+    motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
+    assumed = "" if fps or own_fps else ", which is assumed: say otherwise with fps"
+    count = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
+    return replace(avatar, motion=motion, notes=(*avatar.notes, *said, count))
+
+
+def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
+    """Vertices over time in file units, faces and frames per second of an .npz file."""
+    if not path.is_file():
+        raise InputError(f"{path}: avatar file not found; check the path")
+    held = npz_arrays(path, "the motion")
+    name = next((key for key in ("vertices", "positions") if key in held), None)
+    if name is None or "faces" not in held:
+        raise InputError(
+            f"{path}: needs arrays `vertices` (frames, vertices, 3) and `faces` (faces, 3), "
+            f"has {', '.join(sorted(held)) or 'none'}"
+        )
+    frames, faces = held[name], held["faces"]
+    if frames.ndim != 3 or frames.shape[2] != 3 or not np.issubdtype(frames.dtype, np.number):
+        raise InputError(f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}")
+    if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer) or not len(faces):
+        raise InputError(f"{path}: faces must be whole numbers of the shape (faces, 3), got {faces.shape}")
+    check_vertex_numbers(path, faces, frames.shape[1], "export the motion again")
+    fps = None
+    if "fps" in held:
+        fps = float(np.asarray(held["fps"]).ravel()[0])
+        if not np.isfinite(fps) or fps <= 0.0:
+            raise InputError(f"{path}: fps must be greater than zero, got {fps:g}")
+    return frames.astype(np.float32), np.ascontiguousarray(faces, np.int32), fps
+
+
+def _read_folder(path: Path) -> tuple[npt.NDArray[np.float32], Int, None]:
+    """Vertices over time in file units and faces of the meshes in a folder."""
+    files = sorted(
+        (file for file in path.iterdir() if file.suffix.lower() in FORMATS),
+        key=lambda file: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.name)],
+    )
+    if not files:
+        raise InputError(f"{path}: holds no mesh files; export one of {', '.join(FORMATS)} per frame")
+    frames: list[npt.NDArray[np.float32]] = []
+    faces: Int | None = None
+    for file in files:
+        vertices, own = read_triangles(file)
+        if faces is None:
+            faces = own
+        elif not np.array_equal(own, faces):
+            raise InputError(
+                f"{file}: its faces differ from those of {files[0].name}; "
+                "all frames must be the same mesh in motion"
+            )
+        frames.append(vertices.astype(np.float32))
+    assert faces is not None
+    return np.stack(frames), faces, None
+
+
+def _followed(vertices: Float, frames: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Let repaired vertices, shape (v, 3), follow the file's over time, shape (k, n, 3), [m]."""
+    distance, nearest = cKDTree(frames[0]).query(vertices, k=BOUND_TO)
+    distance, nearest = np.asarray(distance), np.asarray(nearest)
+    if len(vertices) == frames.shape[1] and (distance[:, 0] < SAME).all():
+        if np.linalg.norm(frames[0] - vertices, axis=1).max() < SAME:
+            return frames
+        return np.ascontiguousarray(frames[:, nearest[:, 0]])
+    weights = 1.0 / np.maximum(distance, SAME) ** 2
+    weights[distance[:, 0] < SAME, 1:] = 0.0
+    weights /= weights.sum(axis=1, keepdims=True)
+    moved = np.einsum("vq,kvqi->kvi", weights, (frames - frames[0])[:, nearest])
+    return np.asarray(vertices + moved, np.float32)

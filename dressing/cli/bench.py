@@ -1,0 +1,135 @@
+"""The commands `toile bench` and `toile stress`."""
+
+import argparse
+from collections.abc import Collection, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toile.dressing.cli.parser import DONE, MISSED, Commands, Parser, say_progress
+from toile.geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from toile.studies.adaptive.remesh import Row
+    from toile.studies.stress.stress_row import StressRow
+
+
+DESCRIPTION = """\
+toile bench [NAME ...]             error against CPU time of the scenes cantilever, swing, hang, sphere, shirt
+toile bench compare OLD.json NEW.json  what became slower or less exact from one stored report to another
+toile bench remesh                 adaptive against uniform meshes
+
+The exit code is 1 where a bar is missed, or a point has become worse."""
+
+REPORT_OPTIONS = ("quick", "repeats", "out", "json")
+OWN_OPTIONS = {"remesh": ("repeats", "json", "scene", "seconds"), "compare": ("ratio",)}
+"""Options that the report takes, and those of the other studies."""
+
+
+def add_bench(commands: "Commands[Parser]") -> None:
+    """Add the bench command."""
+    bench = commands.add_parser(
+        "bench",
+        help="measure speed against error on reference scenes",
+        description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    bench.add_argument("name", nargs="*", metavar="NAME", help="scenes, or remesh, or compare OLD NEW")
+    bench.add_argument(
+        "--quick", action="store_true", help="coarser and fewer: minutes instead of most of an hour"
+    )
+    bench.add_argument("--repeats", type=int, metavar="N", help="repeat what is timed; medians count")
+    bench.add_argument("--out", type=Path, metavar="DIR", help="write speed_error.html, .md and .json there")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
+    bench.add_argument(
+        "--ratio", type=float, metavar="R", help="compare: what is worse by more (default 1.25)"
+    )
+    bench.add_argument(
+        "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"
+    )
+    bench.add_argument(
+        "--seconds", type=float, metavar="S", help="remesh: length of the films, instead of their own"
+    )
+    bench.set_defaults(run=_run_bench)
+
+
+def add_stress(commands: "Commands[Parser]") -> None:
+    """Add the stress command."""
+    stress = commands.add_parser("stress", help="run the hard cases and check every frame")
+    stress.add_argument("case", nargs="*", metavar="NAME", help="only these cases (default: all)")
+    stress.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
+    stress.add_argument("--pictures", type=Path, metavar="DIR", help="draw the end of every case")
+    stress.set_defaults(run=_run_stress)
+
+
+def _run_bench(options: argparse.Namespace) -> int:
+    """Run the study that is named; the exit code tells whether all is well."""
+    from toile.dressing.cli.report import run_compare, run_report
+
+    study = options.name[0] if options.name else ""
+    if options.repeats is not None and options.repeats < 1:
+        raise InputError(f"--repeats must be at least 1, got {options.repeats}")
+    own = OWN_OPTIONS.get(study, REPORT_OPTIONS)
+    for option in sorted({*REPORT_OPTIONS, *chain(*OWN_OPTIONS.values())} - {*own}):
+        if getattr(options, option):
+            raise InputError(
+                f"--{option} is not for toile bench {study}".rstrip() + "; see toile bench --help"
+            )
+    if study == "compare":
+        return run_compare(options.name[1:], options.ratio)
+    if study == "remesh":
+        if len(options.name) > 1:
+            raise InputError(f"remesh stands alone; name its scenes with --scene, not '{options.name[1]}'")
+        return _run_remesh(options)
+    return run_report(options)
+
+
+def _run_remesh(options: argparse.Namespace) -> int:
+    """Compare adaptive and uniform meshes; the exit code tells whether all bars were met."""
+    from toile.studies.adaptive.remesh import FINEST, bench_scene, table
+
+    _check_names("scene", options.scene or (), FINEST)
+    rows = []
+    for name in options.scene or FINEST:
+        rows.append(bench_scene(name, options.seconds, options.repeats or 1, say=say_progress))
+        _store(rows, options.json)
+    print(table(rows))
+    return MISSED if any(row.missed() for row in rows) else DONE
+
+
+def _run_stress(options: argparse.Namespace) -> int:
+    """Run hard cases; the exit code tells whether all ended as expected."""
+    from toile.dressing.files.writers.atomic import writable_folder
+    from toile.studies.stress.stress import STRESS_CASES, run_stress
+    from toile.studies.stress.stress_row import stress_table
+
+    _check_names("case", options.case, STRESS_CASES)
+    pictures = None if options.pictures is None else writable_folder(options.pictures)
+    done: list[StressRow] = []
+
+    def keep(row: "StressRow") -> None:
+        done.append(row)
+        _store(done, options.json)
+        say_progress(f"{row.case}: {row.outcome}, {row.cpu:.1f} CPU s")
+
+    rows = run_stress(options.case or list(STRESS_CASES), keep, pictures)
+    print(stress_table(rows))
+    return MISSED if any(row.fell_short for row in rows) else DONE
+
+
+def _check_names(kind: str, names: Sequence[str], known: Collection[str]) -> None:
+    """Raise InputError with the nearest name for the first that is not known."""
+    from toile.dressing.files.suggestion import unknown_name
+
+    for name in names:
+        if name not in known:
+            raise InputError(unknown_name(kind, name, known))
+
+
+def _store(rows: "Sequence[Row] | Sequence[StressRow]", path: Path | None) -> None:
+    """Write the figures of a study to a file, if there is one."""
+    import json
+    from dataclasses import asdict
+
+    if path is not None:
+        path.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")

@@ -1,0 +1,329 @@
+"""The command `toile`. Only the standard library is imported here: help and errors come at once."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from toile.dressing.cli.batch import add_batch
+from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.measure import add_measure
+from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser
+from toile.dressing.cli.validate import add_validate
+from toile.geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from toile.dressing.run.progress import ProgressState
+    from toile.dressing.run.scene import Scene
+
+EXIT_CODES = {"converged": DONE, "frame_limit": DONE, "failed": FAILED, "cancelled": CANCELLED}
+EXAMPLES = """\
+examples:
+  toile dress --garment tshirt -o out
+  toile dress --avatar body.obj --garment shirt_specification.json --fabric denim-12oz -o out
+  toile dress scene.toml -o out
+  toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
+  toile mannequin --height 182 --chest 104 -o body.glb
+
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 130 cancelled"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    try:
+        options = _parser().parse_args(arguments)
+    except SystemExit as done:
+        return int(done.code or 0) if not isinstance(done.code, str) else BAD_INPUT
+    try:
+        code: int = options.run(options)
+        return code
+    except InputError as error:
+        print(f"toile: {' '.join(str(error).split())}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("toile: cancelled", file=sys.stderr)
+        return CANCELLED
+    except BrokenPipeError:
+        # The reader of our output went away, as in `toile fabrics | head`; nothing is left to say.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except Exception as error:
+        if os.environ.get("TOILE_TRACEBACK"):
+            raise
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        print(
+            f"toile: the simulation broke ({reason}); this is a fault of toile, "
+            "please report it with the output of TOILE_TRACEBACK=1 toile ...",
+            file=sys.stderr,
+        )
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = Parser(
+        prog="toile",
+        description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    parser.set_defaults(run=lambda options: _print_version() if options.version else _print_help(parser))
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=Parser)
+    _add_dress(commands)
+
+    mannequin = commands.add_parser("mannequin", help="write the built-in mannequin to a file")
+    mannequin.add_argument("-o", "--output", type=Path, required=True, help=".obj, .ply, .stl or .glb file")
+    for size in ("height", "chest", "waist", "hip"):
+        mannequin.add_argument(f"--{size}", type=float, metavar="CM", help=f"{size} [cm]")
+    mannequin.set_defaults(run=_run_mannequin)
+
+    fabrics = commands.add_parser("fabrics", help="list the fabric presets")
+    fabrics.set_defaults(run=_run_fabrics)
+
+    patterns = commands.add_parser("patterns", help="list or write the built-in patterns")
+    patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
+    patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft them to")
+    patterns.set_defaults(run=_run_patterns)
+
+    add_measure(commands)
+    add_batch(commands)
+    add_bench(commands)
+    add_stress(commands)
+    add_validate(commands)
+    return parser
+
+
+def _add_dress(commands: "Commands[Parser]") -> None:
+    """Add the dress command."""
+    dress = commands.add_parser(
+        "dress",
+        help="drape garments on a body",
+        description="Drape garments on a body and write dressed.glb, preview.png, report.json "
+        "and a PLY and OBJ per garment.",
+    )
+    dress.add_argument("scene", nargs="?", type=Path, metavar="SCENE.toml", help="scene file")
+    dress.add_argument(
+        "--avatar",
+        type=Path,
+        metavar="BODY",
+        help="OBJ, PLY, STL or GLB body, or one that moves: an .npz, an animated .glb or .gltf, or a folder "
+        "of a mesh per frame (default: built-in mannequin)",
+    )
+    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a BODY that moves")
+    dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
+    dress.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
+    dress.add_argument(
+        "--garment",
+        action="append",
+        default=[],
+        metavar="FILE|NAME",
+        help="GarmentCode .json, mesh (.obj .ply .glb) or built-in name; repeat from the body outwards",
+    )
+    dress.add_argument("--fabric", metavar="NAME", help="fabric preset (see: toile fabrics)")
+    dress.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
+    dress.add_argument("--edge-length", type=float, metavar="M", help="edge length of the triangles [m]")
+    dress.add_argument(
+        "--remesh",
+        action=argparse.BooleanOptionalAction,
+        help="let the mesh adapt to the folds (default), or keep it as it is",
+    )
+    dress.add_argument(
+        "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
+        help="wind [m/s], Y up, on garments that follow a BODY that moves; 0 0 0 is still air",
+    )  # fmt: skip
+    dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
+    dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
+    dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")
+    dress.add_argument(
+        "--resume", type=Path, metavar="OUTDIR", help="go on with the interrupted run in this folder"
+    )
+    dress.epilog = "A scene file does what these options do and more; its keys: toile dress --scene-keys"
+    dress.add_argument("--scene-keys", action=_PrintSceneKeys, help="list the keys of a scene file and exit")
+    dress.set_defaults(run=_run_dress)
+
+
+class _PrintSceneKeys(argparse.Action):
+    """Prints the keys of a scene file."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print and exit."""
+        from toile.dressing.run.scene_file import scene_keys_help
+
+        print(scene_keys_help())
+        parser.exit(DONE)
+
+
+def _run_dress(options: argparse.Namespace) -> int:
+    """Dress and return the exit code."""
+    from toile.dressing.run.dress import dress, resume
+    from toile.dressing.run.interrupt import CancelOnInterrupt
+    from toile.dressing.run.progress import ProgressPrinter
+
+    if (options.output is None) == (options.resume is None):
+        raise InputError("give an output folder with -o OUTDIR, or --resume OUTDIR to go on with a run")
+    folder = options.output or options.resume
+    scene = None if options.resume else _scene_of(options)
+    say = None if options.quiet else _say
+    printer = ProgressPrinter(sys.stderr, quiet=options.quiet)
+    with CancelOnInterrupt() as interrupt:
+
+        def on_frame(state: "ProgressState") -> bool:
+            printer(state)
+            return not interrupt.requested
+
+        try:
+            result = resume(folder, on_frame, say) if scene is None else dress(scene, folder, on_frame, say)
+        finally:
+            printer.close()
+    report = result.report
+    if result.status == "failed":
+        failure = report["failure"] or {"message": "no reason given", "where": ""}
+        where = f" ({failure['where']})" if failure["where"] else ""
+        print(
+            f"toile: the simulation failed: {failure['message']}{where}; what was computed is in {folder}",
+            file=sys.stderr,
+        )
+    elif not options.quiet:
+        print(_summary(report, folder))
+    return EXIT_CODES[result.status]
+
+
+def _say(text: str) -> None:
+    """Print what the program noticed."""
+    print(text, flush=True)
+
+
+def _scene_of(options: argparse.Namespace) -> "Scene":
+    """Return the scene of a file, of the options, or of a file with options that win over it."""
+    from dataclasses import replace
+
+    from toile.dressing.run.air import Air
+    from toile.dressing.run.scene import AvatarFile, Garment, Scene
+    from toile.dressing.run.scene_file import load_scene
+
+    given = {
+        name: value
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "threads")
+        if (value := getattr(options, name)) is not None
+    }
+    if options.avatar is None and (options.units or options.up or options.fps):
+        raise InputError("--units, --up and --fps describe the file of --avatar, which is missing")
+    if options.avatar is not None:
+        given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up, fps=options.fps)
+    garments = tuple(Garment(source) for source in options.garment)
+    wind = None if options.wind is None else tuple(options.wind)
+    if options.scene is None:
+        if not garments:
+            raise InputError("nothing to dress: give --garment FILE|NAME or a scene file")
+        return Scene(garments=garments, air=None if wind is None else Air(velocity=wind), **given)
+    if options.scene.suffix.lower() != ".toml":
+        raise InputError(f"{options.scene}: a scene file ends in .toml; garments are given with --garment")
+    scene = load_scene(options.scene)
+    if "fabric" in given:
+        given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
+    if garments:
+        given["garments"] = garments
+    if wind is not None:
+        given["air"] = replace(scene.air or Air(), velocity=wind)
+    return replace(scene, **given)
+
+
+def _summary(report: dict[str, object], folder: Path) -> str:
+    """Return the last line that a user sees."""
+    from typing import Any, cast
+
+    facts = cast("dict[str, Any]", report)
+    crossings = facts["intersections"]
+    animation = facts.get("animation")
+    motion = (
+        ""
+        if animation is None
+        else f"; then {animation['frames']} frames of motion, "
+        f"{animation['intersections_max']} intersections at most"
+    )
+    gap = "" if facts["min_gap_mm"] is None else f", smallest gap {facts['min_gap_mm']:.2f} mm"
+    return (
+        f"{facts['status'].replace('_', ' ')} after {facts['frames']} frames, {facts['wall_seconds']:.1f} s: "
+        f"{facts['faces']['final']} faces, {crossings['avatar']} body and {crossings['self']} self "
+        f"intersections{gap}{motion}; written to {folder}"
+    )
+
+
+def _run_mannequin(options: argparse.Namespace) -> int:
+    """Write the mannequin."""
+    from toile.dressing.body.write_body import FORMATS, body_bytes
+    from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+
+    output: Path = options.output
+    if output.suffix.lower() not in FORMATS:
+        raise InputError(f"{output}: unknown format '{output.suffix}'; use one of {', '.join(FORMATS)}")
+    from toile.dressing.body.mannequin import mannequin
+
+    sizes = {
+        size: value / 100.0
+        for size in ("height", "chest", "waist", "hip")
+        if (value := getattr(options, size)) is not None
+    }
+    body = mannequin(**sizes)
+    writable_folder(output.parent)
+    write_atomic(output, body_bytes(body, output.suffix.lower()))
+    print(f"wrote {output}: {len(body.vertices)} vertices, {len(body.faces)} faces, metres, Y up")
+    return DONE
+
+
+def _run_fabrics(options: argparse.Namespace) -> int:
+    """Print the presets."""
+    from toile.dressing.garment.fabrics import fabric_table
+
+    print(fabric_table())
+    return DONE
+
+
+def _run_patterns(options: argparse.Namespace) -> int:
+    """List or write the built-in patterns."""
+    from toile.dressing.pattern.drafts import built_in, built_in_names
+
+    if options.write is None:
+        if options.avatar is not None:
+            raise InputError("--avatar drafts patterns to a body, which needs --write DIR")
+        print("\n".join(built_in_names()))
+        return DONE
+    from toile.dressing.body.dress_form import DressForm
+    from toile.dressing.files.writers.atomic import writable_folder
+    from toile.dressing.pattern.garmentcode_write import write_garmentcode
+    from toile.dressing.run.dress import load_scene_avatar
+    from toile.dressing.run.scene import AvatarFile, Garment, Scene
+
+    folder = writable_folder(options.write)
+    avatar = None if options.avatar is None else AvatarFile(path=options.avatar)
+    form = DressForm(load_scene_avatar(Scene(garments=[Garment("tshirt")], avatar=avatar)))
+    for name in built_in_names():
+        path = folder / f"{name}_specification.json"
+        write_garmentcode(built_in(name, form.measurements), path)
+        print(f"wrote {path}")
+    return DONE
+
+
+def _print_version() -> int:
+    """Print the version."""
+    from importlib.metadata import version
+
+    print(f"toile {version('toile')}")
+    return DONE
+
+
+def _print_help(parser: argparse.ArgumentParser) -> int:
+    """Print the help, as asked for by giving no command."""
+    parser.print_help()
+    return DONE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Files read and checked: glTF, OBJ, NPZ, TOML; what names suggest."""

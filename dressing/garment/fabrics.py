@@ -1,0 +1,118 @@
+"""Fabric presets, and the check that a user's own fabric is physical."""
+
+import csv
+import math
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from toile.dressing.files.suggestion import unknown_name
+from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
+
+DEFAULT_FABRIC = "cotton-poplin"
+MUST_BE_POSITIVE = frozenset({"areal_density", "thickness", "stretch_warp", "stretch_weft"})
+"""Fields that cannot be zero: without mass or thread stiffness there is no cloth to simulate."""
+
+
+class DrapeBand(NamedTuple):
+    """Range of a fabric's Cusick drape coefficient [%], and whether it was estimated, not measured."""
+
+    low: float
+    high: float
+    estimated: bool
+
+
+@cache
+def fabrics() -> dict[str, Fabric]:
+    """Return all presets by name, in the order of fabrics.csv (where the sources are)."""
+    return {row["name"]: _from_row(row) for row in _rows()}
+
+
+def drape_bands() -> dict[str, DrapeBand]:
+    """Return the range of the drape coefficient of the presets that have one, by name."""
+    return {
+        row["name"]: DrapeBand(float(row["DC_low"]), float(row["DC_high"]), "est(DC)" in row["source"])
+        for row in _rows()
+        if row["DC_low"] and row["DC_high"]
+    }
+
+
+def fabric(name: str) -> Fabric:
+    """Return the preset of that name. Raises InputError with the nearest names."""
+    presets = fabrics()
+    if name not in presets:
+        raise InputError(unknown_name("fabric", name, presets))
+    return presets[name]
+
+
+def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
+    """Return the first unphysical field and what is wrong with it, or None if the fabric is fine."""
+    for entry in fields(fabric):
+        if entry.name == "name":
+            continue
+        value = getattr(fabric, entry.name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            return entry.name, f"must be a finite number, got {value!r}"
+        if entry.name in MUST_BE_POSITIVE and value <= 0.0:
+            return entry.name, f"must be greater than zero, got {value:g}"
+        if value < 0.0:
+            return entry.name, f"must not be negative, got {value:g}"
+        if entry.name == "compression" and value > 1.0:
+            return entry.name, f"is a share and must not exceed 1, got {value:g}"
+    return None
+
+
+def checked_fabric(fabric: Fabric) -> Fabric:
+    """Return the fabric unchanged. Raises InputError naming its first unphysical field."""
+    invalid = invalid_field(fabric)
+    if invalid is not None:
+        raise InputError(f"fabric '{fabric.name}': {invalid[0]} {invalid[1]}")
+    return fabric
+
+
+def fabric_table() -> str:
+    """Return the presets as a text table for people."""
+    head = ("name", "g/m2", "thickness", "stretch warp/weft", "shear", "bending warp/weft/bias")
+    units = ("", "", "mm", "N/m", "N/m", "uN m")
+    rows = [head, units]
+    for preset in fabrics().values():
+        bending = (preset.bending_warp, preset.bending_weft, preset.bending_bias)
+        rows.append(
+            (
+                preset.name + (" *" if preset.name == DEFAULT_FABRIC else ""),
+                f"{preset.areal_density * 1e3:.0f}",
+                f"{preset.thickness * 1e3:.2f}",
+                f"{preset.stretch_warp:g} / {preset.stretch_weft:g}",
+                f"{preset.shear:g}",
+                " / ".join(f"{rigidity * 1e6:.3g}" for rigidity in bending),
+            )
+        )
+    widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+    return "\n".join([*lines, "", "* used where no fabric is named; own fabrics go into a scene file"])
+
+
+def _rows() -> list[dict[str, str]]:
+    """Return the lines of fabrics.csv by column."""
+    lines = (Path(__file__).resolve().parent / "fabrics.csv").read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def _from_row(row: dict[str, str]) -> Fabric:
+    """Return the fabric of one line of the table, converted to SI."""
+    calibrated = float(row["D_factor"]) * 1e-6
+    return Fabric(
+        name=row["name"],
+        areal_density=float(row["areal_density_kg_m2"]),
+        thickness=float(row["thickness_mm"]) * 1e-3,
+        bending_warp=float(row["D_warp_uNm"]) * calibrated,
+        bending_weft=float(row["D_weft_uNm"]) * calibrated,
+        bending_bias=float(row["D_bias_uNm"]) * calibrated,
+        stretch_warp=float(row["C11_N_m"]),
+        stretch_weft=float(row["C22_N_m"]),
+        shear=float(row["G_N_m"]),
+    )

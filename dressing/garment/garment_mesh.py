@@ -1,0 +1,76 @@
+"""A garment ready for the engine, whatever it came from: pattern, built-in draft or 3-D mesh."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.geometry.arrays import Float, Int
+
+if TYPE_CHECKING:
+    # It needs scipy, which is loaded when it is needed.
+    from toile.engine.cloth.origin import Origin
+
+
+@dataclass(frozen=True, kw_only=True)
+class GarmentMesh:
+    """Triangulated panels placed around the body, seams still open.
+
+    Attributes
+    ----------
+    name
+        Name of the garment, used for output files.
+    positions
+        Start position of every material vertex [m], shape (m, 3).
+    uv
+        Pattern coordinates of every material vertex [m], shape (m, 2): the panel's own x and y.
+    faces
+        Triangles, shape (t, 3), counter-clockwise seen from the right side of the fabric.
+    panel
+        Panel index of every face, shape (t,).
+    panel_names
+        One name per panel.
+    rest_corners
+        Rest shape of every face in its (warp, weft) frame [m], shape (t, 3, 2), counter-clockwise.
+    stitches
+        Pairs of material vertices to be sewn together, shape (s, 2).
+    seam
+        Seam index of every stitch pair, shape (s,): the stitch of the pattern it belongs to.
+    seam_names
+        One name per seam, such as "left_sleeve_f.0 - left_sleeve_b.5".
+    held
+        Edge label (such as "lower_interface") to the material vertices on edges that carry it.
+    flat
+        True if the rest shape is flat fabric; False if it is the curved start shape itself.
+    minimum_angle
+        Smallest triangle angle [degrees].
+    pinned
+        Material vertices that no force moves, shape (k,), beside those that a scene pins.
+    pull
+        Stiffness per area with which material vertices are drawn to their places [N/m^3], shape (m,); None:
+        not at all.
+    origin
+        Corners and faces of the file that material vertices and faces come from, or None.
+    motion
+        Where the file's corners go [m]: pinned and drawn vertices follow it where the avatar moves. None:
+        they stay.
+    """
+
+    name: str
+    positions: Float
+    uv: Float
+    faces: Int
+    panel: Int
+    panel_names: tuple[str, ...]
+    rest_corners: Float
+    stitches: Int
+    seam: Int
+    seam_names: tuple[str, ...]
+    held: dict[str, Int] = field(default_factory=dict)
+    flat: bool = True
+    minimum_angle: float
+    pinned: Int = field(default_factory=lambda: np.empty(0, np.int32))
+    pull: Float | None = None
+    origin: "Origin | None" = None
+    motion: VertexMotion | None = None

@@ -1,0 +1,252 @@
+"""A 3-D mesh as a garment: the mesh is its own rest shape."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+from scipy.sparse import csr_array
+
+from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.avatar_units import METRES_PER_UNIT, upright
+from toile.dressing.files.corner_surface import Surface
+from toile.dressing.files.read_obj import read_obj
+from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.garment.mesh_subdivision import subdivide
+from toile.engine.cloth.origin import Origin
+from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import InputError
+from toile.remesh.adapt.transfer import descent
+
+FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz")
+"""File extensions of mesh garments."""
+FITS = 1.6
+"""Misfit up to which the avatar's own units and axes are not doubted: 0.1 to 2.5 times its size."""
+SPLIT_ABOVE = 1.4
+"""An edge is split when longer than this many edge lengths: halves are then not below 0.7."""
+
+
+def read_mesh_garment(
+    path: str | Path,
+    *,
+    name: str | None = None,
+    units: str | None = None,
+    up: str | None = None,
+    avatar: Avatar | None = None,
+    edge_length: float | None = None,
+) -> GarmentMesh:
+    """Return the garment of an OBJ, PLY or GLB file, or of arrays in an .npz file.
+
+    Parameters
+    ----------
+    path
+        The file. Groups (OBJ) and objects (GLB) become panels. For .npz see `read_npz_garment`: it says more
+        about a garment than meshes can, in metres and with Y up.
+    name
+        Name of the garment; None takes the file's.
+    units, up
+        "m", "dm", "cm" or "mm", and "y" or "z"; None tries the avatar's own first and takes what puts the
+        garment on it.
+    avatar
+        The body the garment is made for; only used to recognise units and axes.
+    edge_length
+        Edges much longer than this [m] are split; None keeps the file's triangles.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, unreadable, empty, or has NaN coordinates, zero-area faces or edges with
+        more than two faces; faces are named by their number in the file, from 0.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}")
+    if not path.is_file():
+        raise InputError(f"{path}: garment file not found; check the path")
+    if path.suffix.lower() == ".npz":
+        from toile.dressing.garment.npz_garment import read_npz_garment
+
+        return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
+    surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
+    if not len(surface.faces):
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+    bad = np.flatnonzero(~np.isfinite(surface.positions).all(axis=1))
+    if len(bad):
+        raise InputError(f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh")
+    metres = _in_metres(path, surface.positions, units, up, avatar)
+    surface = checked_surface(path, replace(surface, positions=metres))
+    return garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
+
+
+def garment_from_surface(surface: Surface, *, name: str, edge_length: float | None = None) -> GarmentMesh:
+    """Return the garment whose rest shape is a checked surface [m], refined to an edge length [m]."""
+    has_uv = len(surface.uv) > 0 and bool((surface.uv_faces >= 0).all())
+    uv_faces = surface.uv_faces if has_uv else surface.faces
+    span = int(uv_faces.max()) + 1
+    keys, corner = np.unique(surface.faces.astype(np.int64) * span + uv_faces, return_inverse=True)
+    node = (keys // span).astype(np.int32)
+    uv = surface.uv[keys % span] if has_uv else np.zeros((len(keys), 2))
+    faces = corner.reshape(-1, 3).astype(np.int32)
+    positions, panel, face = surface.positions, surface.panel, surface.file_face
+    births: list[Int] = []
+    if edge_length is not None:
+        positions, uv, node, faces, parent, births = subdivide(
+            positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
+        )
+        panel, face = panel[parent], face[parent]
+    corners = positions[node[faces]]
+    stitches = _same_node_pairs(node)
+    return GarmentMesh(
+        name=name,
+        positions=np.ascontiguousarray(positions[node]),
+        uv=np.ascontiguousarray(uv),
+        faces=faces,
+        panel=np.ascontiguousarray(panel, dtype=np.int32),
+        panel_names=surface.panel_names,
+        rest_corners=flattened(corners, warp_directions(corners, uv[faces] if has_uv else None)),
+        stitches=stitches,
+        seam=np.zeros(len(stitches), dtype=np.int32),
+        seam_names=("texture seams",) if len(stitches) else (),
+        flat=False,
+        minimum_angle=minimum_angle(corners),
+        origin=_origin(keys % span, len(surface.uv), births, face) if has_uv else None,
+    )
+
+
+def _origin(corner: npt.NDArray[np.int64], count: int, births: list[Int], face: Int) -> Origin:
+    """Return what material vertices come from: the first from a corner of `count` each, then `births`."""
+    own = csr_array((np.ones(len(corner)), (np.arange(len(corner)), corner)), shape=(len(corner), count))
+    total = len(corner) + sum(map(len, births))
+    return Origin(
+        weights=csr_array(descent(births, len(corner), np.ones(total, bool)) @ own), face=face,
+        first=np.array([0, count], np.int32),
+    )  # fmt: skip
+
+
+def warp_directions(corners: Float, uv: Float | None) -> Float:
+    """Warp direction in each face, unit vectors of shape (t, 3).
+
+    Lines of constant u are warp threads: the direction is dX/dv. Without texture coordinates, or where they
+    are degenerate, it is the vertical projected into the face (in horizontal faces, the front direction).
+    """
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    along = np.array((0.0, 1.0, 0.0)) - normals * normals[:, 1:2]
+    horizontal = np.linalg.norm(along, axis=1) < 0.1
+    along[horizontal] = (np.array((0.0, 0.0, 1.0)) - normals * normals[:, 2:3])[horizontal]
+    if uv is not None:
+        edges = corners[:, 1:] - corners[:, :1]
+        d = uv[:, 1:] - uv[:, :1]
+        area = d[:, 0, 0] * d[:, 1, 1] - d[:, 0, 1] * d[:, 1, 0]
+        tangent = np.sign(area)[:, None] * (d[:, 0, :1] * edges[:, 1] - d[:, 1, :1] * edges[:, 0])
+        size = np.linalg.norm(tangent, axis=1)
+        good = size > 1e-9 * np.abs(edges).max() * max(float(np.abs(d).max()), 1e-30)
+        along[good] = tangent[good]
+    return np.asarray(along / np.linalg.norm(along, axis=1, keepdims=True))
+
+
+def flattened(corners: Float, warp: Float) -> Float:
+    """Each face laid flat, corner 0 at the origin and the warp along axis 0, shape (t, 3, 2)."""
+    edges = corners[:, 1:] - corners[:, :1]
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    weft = np.cross(normals, warp)
+    flat = np.zeros((len(corners), 3, 2))
+    flat[:, 1:, 0] = np.einsum("tij,tj->ti", edges, warp)
+    flat[:, 1:, 1] = np.einsum("tij,tj->ti", edges, weft)
+    return flat
+
+
+def minimum_angle(corners: Float) -> float:
+    """Return the smallest angle of any triangle [degrees]."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    sides /= np.linalg.norm(sides, axis=2, keepdims=True)
+    cosine = -np.einsum("tij,tij->ti", sides, np.roll(sides, 1, axis=1))
+    return float(np.degrees(np.arccos(np.clip(cosine.max(), -1.0, 1.0))))
+
+
+def _same_node_pairs(node: Int) -> Int:
+    """Pairs of material vertices that are one node, shape (s, 2): the first with each of the others."""
+    order = np.argsort(node, kind="stable")
+    _, first = np.unique(node[order], return_index=True)
+    leader = order[first][node]
+    other = np.flatnonzero(leader != np.arange(len(node)))
+    return np.column_stack([leader[other], other]).astype(np.int32)
+
+
+def _in_metres(
+    path: Path, positions: Float, units: str | None, up: str | None, avatar: Avatar | None
+) -> Float:
+    """Positions [m], Y up, in the first unit and axis that put the garment on the avatar."""
+    if units is not None and units not in METRES_PER_UNIT:
+        raise InputError(f"{path}: unknown unit '{units}'; give one of {', '.join(METRES_PER_UNIT)}")
+    if up is not None and up not in ("y", "z"):
+        raise InputError(f"{path}: unknown up axis '{up}'; give y or z")
+    own = (avatar.metres_per_unit, avatar.up_axis) if avatar else (1.0, "y")
+    every = [own, *((scale, axis) for axis in ("y", "z") for scale in METRES_PER_UNIT.values())]
+    placed = [
+        upright(positions, axis) * scale
+        for scale, axis in every
+        if (units is None or scale == METRES_PER_UNIT[units]) and (up is None or axis == up)
+    ]
+    if avatar is None or _misfit(placed[0], avatar.vertices) < FITS:
+        return placed[0]
+    best = min(placed, key=lambda candidate: _misfit(candidate, avatar.vertices))
+    # What fits in no unit stays as it is: shrunk until it lies within the body, it would not be missed.
+    return best if _misfit(best, avatar.vertices) < FITS else placed[0]
+
+
+def _misfit(garment: Float, body: Float) -> float:
+    """How badly a garment fits a body: 0 if centred within its box and about half its size."""
+    low, high = body.min(axis=0), body.max(axis=0)
+    centre = 0.5 * (garment.min(axis=0) + garment.max(axis=0))
+    outside = np.maximum(np.maximum(low - centre, centre - high), 0.0)
+    size = float(np.linalg.norm(high - low))
+    ratio = max(float(np.linalg.norm(np.ptp(garment, axis=0))), 1e-12) / size
+    return float(abs(np.log(ratio / 0.5)) + 5.0 * np.linalg.norm(outside) / size)
+
+
+def _read_with_trimesh(path: Path) -> Surface:
+    """Return the surface of a PLY or GLB file, nodes still split along texture seams."""
+    try:
+        scene = trimesh.load_scene(path, process=False)
+    except Exception as error:  # trimesh raises whatever its parsers stumble over
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: cannot be read as a mesh ({reason}); export the garment again") from error
+    positions: list[Float] = []
+    faces: list[npt.NDArray[np.int64]] = []
+    uvs: list[Float] = []
+    panels: list[Int] = []
+    names: list[str] = []
+    count = 0
+    for node_name in sorted(scene.graph.nodes_geometry):
+        transform, geometry_name = scene.graph[node_name]
+        mesh: Any = scene.geometry[geometry_name]
+        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+            continue
+        local = np.asarray(mesh.vertices, dtype=np.float64)
+        uv = getattr(mesh.visual, "uv", None)
+        positions.append(local @ transform[:3, :3].T + transform[:3, 3])
+        faces.append(np.asarray(mesh.faces, dtype=np.int64) + count)
+        uvs.append(np.full((len(local), 2), np.nan) if uv is None else np.asarray(uv, dtype=np.float64))
+        panels.append(np.full(len(mesh.faces), len(names), dtype=np.int32))
+        names.append(str(node_name))
+        count += len(local)
+    if not faces:
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+    triangles = np.concatenate(faces)
+    check_vertex_numbers(path, triangles, count, "repair the mesh")
+    uv_all = np.concatenate(uvs)
+    textured = bool(np.isfinite(uv_all).all())
+    return Surface(
+        positions=np.concatenate(positions),
+        faces=triangles.astype(np.int32),
+        uv=uv_all if textured else np.empty((0, 2)),
+        uv_faces=triangles.astype(np.int32) if textured else np.full(triangles.shape, -1, dtype=np.int32),
+        panel=np.concatenate(panels),
+        panel_names=tuple(names) if len(names) > 1 else ("garment",),
+        file_face=np.arange(len(triangles), dtype=np.int32),
+    )

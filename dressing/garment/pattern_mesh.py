@@ -1,0 +1,184 @@
+"""From a sewing pattern to a triangulated garment with open seams."""
+
+import math
+
+import numpy as np
+
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.pattern.pattern import Panel, Pattern
+from toile.dressing.pattern.pattern_curve import edge_length as length_of
+from toile.dressing.pattern.pattern_curve import sagitta
+from toile.dressing.pattern.pattern_outline import crossing_sides, outline, signed_area, to_world
+from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import InputError
+from toile.remesh.panel.panel_mesh import triangulate_panel
+
+Segments = dict[str, list[int]]
+"""Segments per edge of each panel; 0 where an edge shrinks to one vertex."""
+
+NEGLIGIBLE = 0.2
+"""Edges shorter than this part of the edge length shrink to one vertex, unless sewn to a longer one.
+
+A side of half a millimetre among sides of ten would ask for a nest of tiny triangles.
+"""
+ROUND = 0.00025
+"""How far a curved edge may lie from the straight sides that stand for it without shorter ones [m]."""
+
+
+def mesh_pattern(
+    pattern: Pattern, *, edge_length: float, curve_edge_length: float | None = None
+) -> GarmentMesh:
+    """Triangulate every panel at about `edge_length` [m], place it, and match vertices along the stitches.
+
+    Curved edges may have shorter sides, down to `curve_edge_length` [m]: an adaptive mesh splits its border,
+    but never rounds it.
+
+    Raises
+    ------
+    InputError
+        `edge_length` is not positive, or an outline crosses itself (the panel and its edges are named).
+    """
+    if not (math.isfinite(edge_length) and edge_length > 0.0):
+        raise InputError(f"edge_length must be a positive number of metres, got {edge_length}")
+    segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
+    positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
+    count = 0
+    for index, panel in enumerate(pattern.panels):
+        border, clockwise = _border(pattern.name, panel, segments[panel.name])
+        # Seen from the right side of the fabric every loop runs counter-clockwise.
+        mirror = np.array([-1.0 if clockwise else 1.0, 1.0])
+        mesh = _filled(pattern.name, panel, border * mirror, edge_length)
+        flat = mesh[0] * mirror
+        first[panel.name] = count
+        positions.append(to_world(panel, flat))
+        uv.append(flat)
+        faces.append(mesh[1] + count)
+        panel_of.append(np.full(len(mesh[1]), index, dtype=np.int32))
+        rest.append(in_warp_frame(mesh[0], panel.warp_degrees * mirror[0])[mesh[1]])
+        count += len(flat)
+    all_faces = np.ascontiguousarray(np.concatenate(faces), dtype=np.int32)
+    rest_corners = np.ascontiguousarray(np.concatenate(rest))
+    stitches, seam = stitch_pairs(pattern, segments, first)
+    return GarmentMesh(
+        name=pattern.name,
+        positions=np.ascontiguousarray(np.concatenate(positions)),
+        uv=np.ascontiguousarray(np.concatenate(uv)),
+        faces=all_faces,
+        panel=np.concatenate(panel_of),
+        panel_names=tuple(panel.name for panel in pattern.panels),
+        rest_corners=rest_corners,
+        stitches=stitches,
+        seam=seam,
+        seam_names=tuple(stitch.name for stitch in pattern.stitches),
+        held=held_vertices(pattern, segments, first),
+        minimum_angle=float(np.degrees(corner_angles(rest_corners).min())),
+    )
+
+
+def matched_segments(pattern: Pattern, edge_length: float, curve_edge_length: float) -> Segments:
+    """Segments per edge: as many as the lengths ask for; on both sides of a stitch those of the longer."""
+    segments = {
+        panel.name: _wanted_segments(panel, edge_length, curve_edge_length) for panel in pattern.panels
+    }
+    for stitch in pattern.stitches:
+        most = max(segments[stitch.panel_a][stitch.edge_a], segments[stitch.panel_b][stitch.edge_b])
+        segments[stitch.panel_a][stitch.edge_a] = most
+        segments[stitch.panel_b][stitch.edge_b] = most
+    return segments
+
+
+def _wanted_segments(panel: Panel, edge_length: float, curve_edge_length: float) -> list[int]:
+    counts = [_sides(panel, i, edge_length, curve_edge_length) for i in range(len(panel.edges))]
+    return counts if sum(counts) >= 4 else [max(1, count) for count in counts]
+
+
+def _sides(panel: Panel, edge: int, edge_length: float, curve_edge_length: float) -> int:
+    """Segments of one edge by its own length and roundness; 0 where it shrinks to one vertex."""
+    length = length_of(panel, edge)
+    if length / edge_length < NEGLIGIBLE:
+        return 0
+    # The slack keeps two edges that differ by rounding from getting different numbers.
+    count, most = (max(1, math.ceil(length / side - 1e-6)) for side in (edge_length, curve_edge_length))
+    while count < most and sagitta(panel, edge, count) > ROUND:
+        count += 1
+    return count
+
+
+def stitch_pairs(pattern: Pattern, segments: Segments, first: dict[str, int]) -> tuple[Int, Int]:
+    """Vertex pairs to be sewn, shape (s, 2), and the stitch each belongs to, shape (s,).
+
+    A corner that would be sewn to itself (dart tip) and pairs that an earlier stitch has made are left out.
+    """
+    pairs, seams = [], []
+    seen: set[tuple[int, int]] = set()
+    for number, stitch in enumerate(pattern.stitches):
+        side_a = edge_vertices(segments, first, stitch.panel_a, stitch.edge_a)
+        side_b = edge_vertices(segments, first, stitch.panel_b, stitch.edge_b)
+        if not stitch.right_wrong:
+            side_b = side_b[::-1]
+        for a, b in zip(side_a.tolist(), side_b.tolist(), strict=True):
+            key = (min(a, b), max(a, b))
+            if a != b and key not in seen:
+                seen.add(key)
+                pairs.append((a, b))
+                seams.append(number)
+    return np.array(pairs, dtype=np.int32).reshape(-1, 2), np.array(seams, dtype=np.int32)
+
+
+def edge_vertices(segments: Segments, first: dict[str, int], panel: str, edge: int) -> Int:
+    """Vertices along one edge from its start to its end, shape (segments + 1,)."""
+    counts = segments[panel]
+    start = sum(counts[:edge])
+    return ((start + np.arange(counts[edge] + 1)) % sum(counts) + first[panel]).astype(np.int32)
+
+
+def held_vertices(pattern: Pattern, segments: Segments, first: dict[str, int]) -> dict[str, Int]:
+    """Edge label to the sorted vertices on edges that carry it."""
+    held: dict[str, list[Int]] = {}
+    for panel in pattern.panels:
+        for number, edge in enumerate(panel.edges):
+            if edge.label:
+                held.setdefault(edge.label, []).append(edge_vertices(segments, first, panel.name, number))
+    return {label: np.unique(np.concatenate(vertices)) for label, vertices in held.items()}
+
+
+def in_warp_frame(points: Float, warp_degrees: float) -> Float:
+    """Coordinates along (warp, weft) [m], shape (n, 2), of points seen from the right side of the fabric.
+
+    The warp lies `warp_degrees` counter-clockwise from +y, the weft a quarter turn further, so that triangles
+    keep their sense.
+    """
+    angle = math.radians(warp_degrees)
+    warp = np.array([-math.sin(angle), math.cos(angle)])
+    weft = np.array([-math.cos(angle), -math.sin(angle)])
+    return np.ascontiguousarray(np.column_stack([points @ warp, points @ weft]))
+
+
+def corner_angles(triangles: Float) -> Float:
+    """Angles [rad] at the corners of plane triangles, shape (t, 3, 2) to (t, 3)."""
+    ahead = np.roll(triangles, -1, axis=1) - triangles
+    back = np.roll(triangles, 1, axis=1) - triangles
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    return np.asarray(np.arctan2(cross, np.einsum("tij,tij->ti", ahead, back)))
+
+
+def _border(pattern: str, panel: Panel, segments: list[int]) -> tuple[Float, bool]:
+    """Border points [m] in the order of the loop, and whether they run clockwise."""
+    polygon, owner = outline(panel, segments)
+    crossing = crossing_sides(polygon) if len(polygon) > 2 else (0, 1)
+    if crossing is not None:
+        a, b = (int(owner[side]) for side in crossing)
+        raise InputError(
+            f"{pattern}: panel '{panel.name}' crosses itself at edges {a} and {b} when cut into segments; "
+            "use a smaller edge length"
+        )
+    return polygon, signed_area(polygon) < 0.0
+
+
+def _filled(pattern: str, panel: Panel, border: Float, edge_length: float) -> tuple[Float, Int]:
+    """Vertices and faces inside a border; the border's vertices come first, in the order of the loop."""
+    try:
+        mesh = triangulate_panel(border, edge_length=edge_length)
+    except ValueError as error:
+        raise InputError(f"{pattern}: panel '{panel.name}': {error}") from None
+    return mesh.vertices, mesh.faces

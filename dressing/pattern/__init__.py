@@ -1,0 +1,1 @@
+"""Sewing patterns: panels, curved edges, stitches, the GarmentCode format."""

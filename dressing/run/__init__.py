@@ -1,0 +1,1 @@
+"""A run: the scene, its settings, progress, checkpoints, report and results."""

@@ -1,0 +1,107 @@
+"""What a run leaves behind while it goes on, so that it can be taken up again: scene and state.
+
+Files are Python pickles, as `multiprocessing` uses them: take up only what you trust. They are removed when a
+run has ended by itself.
+"""
+
+import pickle
+import shutil
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from toile.dressing.body.avatar import Avatar
+from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.run.result import DressedGarment
+from toile.dressing.run.scene import AvatarFile, Scene
+from toile.dressing.wear.drape_types import DrapeOutcome
+from toile.geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from toile.engine.film.plan import FilmState
+
+FOLDER = ".resume"
+SCENE, HUNG, FRAME = "scene", "hung", "frame"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hung:
+    """A scene whose garments hang: its avatar at the first frame, how the drape ended, garments, report."""
+
+    avatar: Avatar
+    drape: DrapeOutcome
+    garments: tuple[DressedGarment, ...]
+    report: dict[str, Any]
+
+
+class Checkpoint:
+    """The traces of one run in its output folder."""
+
+    def __init__(self, output: Path) -> None:
+        self.folder = output / FOLDER
+
+    def begin(self, scene: Scene) -> None:
+        """Forget an earlier run and note the scene."""
+        self.end()
+        writable_folder(self.folder)
+        self._write(SCENE, _with_whole_paths(scene))
+
+    def hung(self, hung: Hung) -> None:
+        """Note that the garments hang."""
+        self._write(HUNG, hung)
+
+    def frame(self, state: "FilmState") -> None:
+        """Note a frame."""
+        self._write(FRAME, state)
+
+    def end(self) -> None:
+        """Remove all traces."""
+        if self.folder.is_dir():
+            shutil.rmtree(self.folder)
+
+    def load(self) -> "tuple[Scene, Hung | None, FilmState | None]":
+        """Return what was noted last. Raises InputError if there is nothing to take up."""
+        from toile.engine.film.plan import FilmState
+
+        scene, hung, state = self._read(SCENE), self._read(HUNG), self._read(FRAME)
+        if not isinstance(scene, Scene):
+            raise InputError(
+                f"{self.folder.parent}: there is no run to take up; it has ended, or it never wrote here"
+            )
+        return (
+            scene,
+            hung if isinstance(hung, Hung) else None,
+            state if isinstance(state, FilmState) and isinstance(hung, Hung) else None,
+        )
+
+    def _write(self, name: str, content: object) -> None:
+        write_atomic(self.folder / name, pickle.dumps((version("toile"), content), protocol=5))
+
+    def _read(self, name: str) -> object:
+        path = self.folder / name
+        if not path.is_file():
+            return None
+        try:
+            wrote, content = pickle.loads(path.read_bytes())
+        except Exception as error:  # whatever a damaged pickle may raise
+            raise InputError(f"{path}: is damaged ({type(error).__name__}); start the run anew") from None
+        if wrote != version("toile"):
+            raise InputError(
+                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew"
+            )
+        return content
+
+
+def _with_whole_paths(scene: Scene) -> Scene:
+    """Return a scene that can be read from any folder."""
+    avatar = scene.avatar
+    if isinstance(avatar, AvatarFile):
+        avatar = replace(avatar, path=avatar.path.absolute())
+    garments = tuple(
+        replace(garment, source=Path(garment.source).absolute())
+        if isinstance(garment.source, str | Path) and Path(garment.source).is_file()
+        else garment
+        for garment in scene.garments
+    )
+    return replace(scene, avatar=avatar, garments=garments)

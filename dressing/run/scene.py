@@ -1,0 +1,171 @@
+"""What the user asks for: who wears which garments, of which fabric, how exactly."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from pathlib import Path
+
+from toile.dressing.body.avatar import Avatar
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.run.air import Air
+from toile.dressing.run.quality import quality_preset
+from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
+from toile.remesh.sizing.sizing import SizingOptions
+
+
+@dataclass(frozen=True, kw_only=True)
+class AvatarFile:
+    """A body still on disk, or one that moves: an .npz, an animated .glb or .gltf, or a folder of meshes.
+
+    Units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None; frames per second are the file's
+    own or 24.
+    """
+
+    path: Path
+    units: str | None = None
+    up: str | None = None
+    fps: float | None = None
+
+    def __post_init__(self) -> None:
+        """Accept a path that is a string."""
+        object.__setattr__(self, "path", Path(self.path))
+
+
+@dataclass(frozen=True, kw_only=True)
+class MannequinSize:
+    """Size of the built-in mannequin [m]: height and circumferences; None keeps its default."""
+
+    height: float | None = None
+    chest: float | None = None
+    waist: float | None = None
+    hip: float | None = None
+
+    def given(self) -> dict[str, float]:
+        """Return only the sizes that are set."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+@dataclass(frozen=True)
+class Garment:
+    """One garment of a scene.
+
+    Attributes
+    ----------
+    source
+        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
+        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, or .npz as `read_npz_garment` says), or a
+        finished GarmentMesh.
+    fabric
+        Preset name or Fabric; None takes the scene's.
+    name
+        Name in output files; None takes it from the source.
+    self_contact
+        False leaves out contact of cloth with cloth. It only takes effect when all garments of the scene
+        opt out: garments are searched together.
+    pins
+        Edge labels (such as "lower_interface") and numbers of material vertices held in place.
+    warp_angle
+        Turn of the warp direction in the pattern plane, counter-clockwise seen from the right side
+        [degrees]: one number for all panels, or panel name to number.
+    units, up
+        Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
+    """
+
+    source: str | Path | GarmentMesh
+    _: KW_ONLY
+    fabric: str | Fabric | None = None
+    name: str | None = None
+    self_contact: bool = True
+    pins: tuple[str | int, ...] = ()
+    warp_angle: float | Mapping[str, float] = 0.0
+    units: str | None = None
+    up: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Everything a drape needs to know; nothing is read or built before `toile.dress(scene)`.
+
+    Attributes
+    ----------
+    garments
+        Garments from the body outwards; a name or path stands for a Garment with defaults.
+    avatar
+        The body: an Avatar, a file, or a mannequin size; None is the built-in mannequin.
+    fabric
+        Preset name or Fabric of garments that name none; None is cotton-poplin.
+    fabrics
+        User-defined fabrics by name; they win over presets of the same name.
+    quality
+        "preview", "standard" or "accurate".
+    edge_length
+        Edge length of the triangles [m]; None takes the quality's.
+    remesh
+        Whether the mesh adapts to the folds once the garment is sewn, or how: SizingOptions. The garment is
+        then sewn in coarse triangles, and the edge length is that of the finest.
+    max_frames
+        Frames after which the drape stops; None takes the quality's.
+    gravity
+        Downward acceleration [m/s^2].
+    friction
+        Coulomb coefficient against the avatar for all garments; None takes each fabric's.
+    friction_between
+        Coulomb coefficients of pairs, by the names of two fabrics that are worn, or of one and "body": say,
+        {("denim-12oz", "body"): 0.5}. Else each fabric has its own on the body and on itself, and two fabrics
+        have the geometric mean of theirs.
+    air
+        Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
+    threads
+        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
+        neither the result nor the speed depends on it yet.
+    """
+
+    garments: Sequence[Garment]
+    avatar: Avatar | AvatarFile | MannequinSize | str | Path | None = None
+    fabric: str | Fabric | None = None
+    fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    quality: str = "standard"
+    edge_length: float | None = None
+    remesh: bool | SizingOptions = True
+    max_frames: int | None = None
+    gravity: float = 9.81
+    friction: float | None = None
+    friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    air: Air | None = None
+    threads: int = 1
+
+    def __post_init__(self) -> None:
+        """Accept convenient spellings and check numbers. Raises InputError naming the field."""
+        garments: object = self.garments
+        if isinstance(garments, str | Path | Garment | GarmentMesh):
+            garments = (garments,)
+        if not isinstance(garments, list | tuple):
+            raise InputError(f"garments must be a list of garments, got {type(garments).__name__}")
+        object.__setattr__(
+            self, "garments", tuple(g if isinstance(g, Garment) else Garment(g) for g in garments)
+        )
+        avatar: object = self.avatar
+        if isinstance(avatar, str | Path):
+            object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
+        if not self.garments:
+            raise InputError("the scene has no garment: name a pattern, a mesh or a built-in such as tshirt")
+        quality_preset(self.quality)
+        _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
+        _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
+        _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
+        _check_number("friction", self.friction, low=0.0, high=10.0)
+        for pair, value in self.friction_between.items():
+            if not isinstance(pair, tuple) or len(pair) != 2:
+                raise InputError(f"friction_between: a pair is two names, got {pair!r}")
+            _check_number(f"friction_between {' and '.join(map(str, pair))}", value, low=0.0, high=10.0)
+        _check_number("threads", self.threads, low=1, high=1024)
+
+
+def _check_number(name: str, value: float | None, *, low: float, high: float, unit: str = "") -> None:
+    """Raise InputError unless the value is None or lies in [low, high]."""
+    if value is None:
+        return
+    if not isinstance(value, int | float) or not math.isfinite(value) or not low <= value <= high:
+        between = f"{low:g} and {high:g} {unit}".rstrip()
+        raise InputError(f"{name} must lie between {between}, got {value!r}")

@@ -1,0 +1,318 @@
+"""Reads a scene from a TOML file. `SCENE_KEYS` is both the schema and the documentation.
+
+A complete example::
+
+    quality = "standard"
+    default_fabric = "cotton-poplin"
+
+    [avatar]
+    file = "body.obj"
+    units = "cm"
+
+    [[garment]]
+    source = "trousers"
+    fabric = "my denim"
+    pins = ["lower_interface"]
+
+    [[garment]]
+    source = "shirt_specification.json"
+    warp_angle = { left_sleeve = 90 }
+
+    [fabric."my denim"]
+    like = "denim-12oz"
+    areal_density = 0.42
+
+Paths are relative to the scene file.
+"""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, asdict, fields, replace
+from pathlib import Path
+from typing import Any
+
+from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.files.toml_lines import LineNumbers, OneLine
+from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.run.air import Air
+from toile.dressing.run.quality import quality_preset
+from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
+from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
+from toile.remesh.sizing.sizing import SizingOptions
+
+NUMBER = (int, float)
+SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
+    "": {
+        "quality": (str, "preview, standard (default) or accurate"),
+        "edge_length": (NUMBER, "edge length of the triangles [m] instead of the quality's"),
+        "remesh": ((bool, dict), "false: the mesh stays as it is; table: how it adapts to the folds"),
+        "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
+        "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
+        "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
+        "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
+        "air": (dict, "table: air that resists and blows as garments follow a body that moves"),
+        "threads": (int, "threads to use, default 1; the result does not depend on it"),
+        "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
+        "avatar": (dict, "table: the body; without it the built-in mannequin"),
+        "garment": (list, "tables: one [[garment]] each, from the body outwards"),
+        "fabric": (dict, "tables: one [fabric.NAME] for each fabric of your own"),
+    },
+    "remesh": {
+        "size_min": (NUMBER, "shortest edges [m]"),
+        "size_max": (NUMBER, "longest edges [m]"),
+        "refine_angle": (NUMBER, "turn of the surface per edge [rad]"),
+        "refine_velocity": (NUMBER, "change of velocity along an edge [m/s]"),
+        "refine_compression": (NUMBER, "edge length over the inverse root of compression [m]"),
+        "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
+    },
+    "air": {
+        "velocity": (list, "mean wind [m/s], x, y, z with Y up, default still: [0, 0, 0]"),
+        "gusts": (NUMBER, "standard deviation of gusts over the mean speed, default 0"),
+        "eddies": (NUMBER, "size of gusts [m], default 2"),
+        "seed": (int, "which gusts, default 0"),
+        "drag": (NUMBER, "drag coefficient of cloth across the flow, default 1"),
+        "lift": (NUMBER, "lift coefficient, 0 (dragged along) to drag (pressed along its normal), default 1"),
+    },
+    "avatar": {
+        "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz, animated .glb or folder of meshes"),
+        "fps": (NUMBER, "frames per second of a body that moves; the file's own or 24 if missing"),
+        "units": (str, "m, cm or mm; recognised from the size if missing"),
+        "up": (str, "y or z; recognised if missing"),
+        "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
+        "chest": (NUMBER, "its chest circumference [m]"),
+        "waist": (NUMBER, "its waist circumference [m]"),
+        "hip": (NUMBER, "its hip circumference [m]"),
+    },
+    "garment": {
+        "source": (str, "built-in name, GarmentCode .json, or .obj, .ply, .glb, .npz mesh"),
+        "name": (str, "name of the output files"),
+        "fabric": (str, "preset or [fabric.NAME]"),
+        "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
+        "pins": (list, "edge labels and vertex numbers held in place"),
+        "warp_angle": ((int, float, dict), "turn of the warp direction [degrees], or panel = degrees"),
+        "units": (str, "m, cm or mm of a mesh file"),
+        "up": (str, "y or z of a mesh file"),
+    },
+    "fabric": {
+        "like": (str, "preset that gives every value not set here"),
+        **{
+            entry.name: (NUMBER, f"see toile.Fabric.{entry.name}, SI units")
+            for entry in fields(Fabric)
+            if entry.name != "name"
+        },
+    },
+}
+"""Table name to key to (accepted types, meaning)."""
+TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Return the scene of a TOML file. Raises InputError naming the file, its line and what to do."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such scene file; check the path") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a scene file ({error})") from None
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    return _SceneReader(path, LineNumbers(text)).scene(data)
+
+
+def scene_of_line(data: dict[str, Any], path: Path, line: int) -> Scene:
+    """Return the scene of data with the keys of a scene file, from one line of another kind of file."""
+    return _SceneReader(path, OneLine(line)).scene(data)
+
+
+def scene_keys_help() -> str:
+    """Return the table of all keys as text."""
+    lines: list[str] = []
+    for table, keys in SCENE_KEYS.items():
+        heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
+        lines.append(heading.get(table, f"[{table}]"))
+        lines += [f"  {key:<16}{meaning}" for key, (_, meaning) in keys.items()]
+    return "\n".join(lines)
+
+
+class _SceneReader:
+    """Turns parsed TOML into a Scene; knows the file and line of each key for errors."""
+
+    def __init__(self, path: Path, lines: LineNumbers | OneLine) -> None:
+        self.path = path
+        self.lines = lines
+
+    def scene(self, data: dict[str, Any]) -> Scene:
+        """Return the scene."""
+        self._check_keys(data, "", ())
+        own = {name: self._fabric(name, values) for name, values in data.get("fabric", {}).items()}
+        if not data.get("garment"):
+            raise InputError(f"{self.path}: the scene has no [[garment]] table; add one with a source")
+        garments = tuple(
+            self._garment(values, ("garment", index), own) for index, values in enumerate(data["garment"])
+        )
+        if "default_fabric" in data:
+            self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
+        plain = {
+            key: data[key]
+            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "threads")
+            if key in data
+        }
+        pairs = self._friction_between(data.get("friction_between", []))
+        try:
+            return Scene(
+                garments=garments,
+                friction_between=pairs,
+                avatar=self._avatar(data.get("avatar", {})),
+                fabric=data.get("default_fabric"),
+                fabrics=own,
+                remesh=self._remesh(data.get("remesh", True), data),
+                air=self._air(data["air"]) if "air" in data else None,
+                **plain,
+            )
+        except InputError as error:
+            key = next((key for key in plain if key in str(error).split("'")[0].split()), None)
+            raise self._error((key,) if key else (), str(error)) from None
+
+    def _friction_between(self, entries: list[Any]) -> dict[tuple[str, str], float]:
+        """Return friction of pairs, given as lists of two names and a number."""
+        pairs = {}
+        for entry in entries:
+            if (
+                not isinstance(entry, list)
+                or [type(part) for part in entry[:2]] != [str, str]
+                or len(entry) != 3
+                or not isinstance(entry[2], NUMBER)
+            ):
+                raise self._error(
+                    ("friction_between",),
+                    f'friction_between: each entry is two fabrics (or a fabric and "body") and a number, '
+                    f"got {entry!r}",
+                )
+            pairs[entry[0], entry[1]] = entry[2]
+        return pairs
+
+    def _remesh(self, values: bool | dict[str, Any], data: dict[str, Any]) -> bool | SizingOptions:
+        """Return how the mesh adapts, from `remesh` and, for sizes that are missing, the quality."""
+        if isinstance(values, bool):
+            return values
+        self._check_keys(values, "remesh", ("remesh",))
+        quality = quality_preset(data.get("quality", "standard"))
+        finest = data.get("edge_length", quality.edge_length)
+        try:
+            usual = quality.sizing(values.get("size_min", finest))
+            return replace(usual, **values)
+        except InputError as error:
+            key = str(error).split()[0]
+            raise self._error(("remesh", key) if key in values else ("remesh",), str(error)) from None
+
+    def _air(self, values: dict[str, Any]) -> Air:
+        """Return the air of the [air] table."""
+        self._check_keys(values, "air", ("air",))
+        try:
+            return Air(**values)
+        except InputError as error:
+            raise self._error(("air", str(error).split()[0]), str(error)) from None
+
+    def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
+        """Return the error with file and line in front."""
+        line = self.lines.of(key)
+        where = f"{self.path}, line {line}" if line else str(self.path)
+        return InputError(f"{where}: {message}")
+
+    def _check_keys(self, values: Mapping[str, Any], table: str, place: tuple[str | int, ...]) -> None:
+        """Raise InputError for an unknown key or a value of the wrong type."""
+        known = SCENE_KEYS[table]
+        for key, value in values.items():
+            if key not in known:
+                raise self._error((*place, key), unknown_name("key", key, known))
+            accepted = known[key][0] if isinstance(known[key][0], tuple) else (known[key][0],)
+            if not isinstance(value, accepted) or (isinstance(value, bool) and bool not in accepted):
+                if table == "" and key == "fabric" and isinstance(value, str):
+                    raise self._error(
+                        (key,), f"[fabric.NAME] tables define fabrics; say default_fabric = '{value}'"
+                    )
+                wanted = " or ".join(dict.fromkeys(TYPE_NAMES.get(kind, "a table") for kind in accepted))
+                raise self._error((*place, key), f"{key} must be {wanted}, got {value!r}")
+
+    def _resolve(self, name: str) -> Path:
+        """Return a path of the scene file, relative to it."""
+        return self.path.parent / Path(name).expanduser()
+
+    def _avatar(self, values: dict[str, Any]) -> AvatarFile | MannequinSize | None:
+        """Return what the [avatar] table asks for."""
+        self._check_keys(values, "avatar", ("avatar",))
+        sizes = {key: values[key] for key in ("height", "chest", "waist", "hip") if key in values}
+        if "file" not in values:
+            stray = next((key for key in ("units", "up", "fps") if key in values), None)
+            if stray:
+                raise self._error(("avatar", stray), f"{stray} needs a file in [avatar]")
+            return MannequinSize(**sizes) if sizes else None
+        if sizes:
+            key = next(iter(sizes))
+            raise self._error(("avatar", key), f"{key} sizes the built-in mannequin; remove it or file")
+        return AvatarFile(
+            path=self._resolve(values["file"]), units=values.get("units"), up=values.get("up"),
+            fps=values.get("fps"),
+        )  # fmt: skip
+
+    def _garment(self, values: Any, place: tuple[str | int, ...], own: Mapping[str, Fabric]) -> Garment:
+        """Return the garment of one [[garment]] table."""
+        if not isinstance(values, dict):
+            raise self._error(("garment",), "garment must be a list of tables: write [[garment]]")
+        self._check_keys(values, "garment", place)
+        if "source" not in values:
+            raise self._error(place, "a [[garment]] needs a source: a built-in name or a file")
+        if "fabric" in values:
+            self._check_fabric_name(values["fabric"], own, (*place, "fabric"))
+        for pin in values.get("pins", []):
+            if isinstance(pin, bool) or not isinstance(pin, str | int):
+                raise self._error((*place, "pins"), f"pins are edge labels or vertex numbers, got {pin!r}")
+        angle = values.get("warp_angle", 0.0)
+        for value in angle.values() if isinstance(angle, dict) else [angle]:
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
+        source: str = values["source"]
+        is_file = bool(re.search(r"[./\\]", source))
+        return Garment(
+            self._resolve(source) if is_file else source,
+            fabric=values.get("fabric"),
+            name=values.get("name"),
+            self_contact=values.get("self_contact", True),
+            pins=tuple(values.get("pins", ())),
+            warp_angle=angle,
+            units=values.get("units"),
+            up=values.get("up"),
+        )
+
+    def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
+        """Raise InputError with the nearest name if the fabric is neither the file's nor a preset."""
+        known = [*own, *(preset for preset in fabrics() if preset not in own)]
+        if name not in known:
+            raise self._error(key, unknown_name("fabric", name, known))
+
+    def _fabric(self, name: str, values: Any) -> Fabric:
+        """Return the fabric of one [fabric.NAME] table."""
+        place = ("fabric", name)
+        if not isinstance(values, dict):
+            raise self._error(place, f"fabric.{name} must be a table: write [fabric.{name}]")
+        self._check_keys(values, "fabric", place)
+        base: dict[str, Any] = {}
+        if "like" in values:
+            if values["like"] not in fabrics():
+                raise self._error((*place, "like"), unknown_name("fabric", values["like"], fabrics()))
+            base = asdict(fabrics()[values["like"]])
+        given = {key: value for key, value in values.items() if key != "like"}
+        needed = {entry.name for entry in fields(Fabric) if entry.default is MISSING} - {"name"}
+        missing = sorted(needed - base.keys() - given.keys())
+        if missing:
+            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
+        fabric = Fabric(**{**base, **given, "name": name})
+        invalid = invalid_field(fabric)
+        if invalid is not None:
+            raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
+        return checked_fabric(fabric)

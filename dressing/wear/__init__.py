@@ -1,0 +1,1 @@
+"""From garments to a draped cloth: start positions, layers, assembly, the outcome."""

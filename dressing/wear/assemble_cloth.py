@@ -1,0 +1,115 @@
+"""Garment meshes of a scene become one Cloth."""
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.goals import Goals
+from toile.engine.cloth.origin import Origin
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.geometry.arrays import Bool, Int
+from toile.geometry.errors import InputError
+
+WAIST_LABELS = ("lower_interface", "strapless_top")
+SHOULDER_LABELS = ("left_collar", "right_collar", "left_armhole", "right_armhole")
+
+
+def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
+    """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
+
+    `pins` names pinned material vertices, one array per garment, beside those that its mesh pins.
+    """
+    offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
+    seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
+    fabrics = tuple(dict.fromkeys(fabric for _, fabric in garments))
+    positions = np.concatenate([mesh.positions for mesh, _ in garments])
+    count = len(positions)
+    pinned = np.zeros(count, bool)
+    for offset, nodes in zip(offsets, pins, strict=False):
+        pinned[offset + nodes] = True
+    for offset, (mesh, _) in zip(offsets, garments, strict=False):
+        pinned[offset + mesh.pinned] = True
+    stitches = np.concatenate(
+        [mesh.stitches.reshape(-1, 2) + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
+    ).astype(np.int32)
+    held, waist = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
+    for (mesh, _), offset in zip(garments, offsets, strict=False):
+        held += [vertices + offset for vertices in mesh.held.values()]
+        # What hangs from the shoulders finds its own height; what sits on the waist needs friction first.
+        if not any(label in mesh.held for label in SHOULDER_LABELS):
+            waist += [mesh.held[label] + offset for label in WAIST_LABELS if label in mesh.held]
+
+    def per_face(values: list[int], kind: type) -> Any:
+        return np.concatenate(
+            [np.full(len(mesh.faces), value, kind) for (mesh, _), value in zip(garments, values, strict=True)]
+        )
+
+    goals = Goals.together(
+        [
+            None if mesh.pull is None else Goals(stiffness=mesh.pull, places=mesh.positions)
+            for mesh, _ in garments
+        ],
+        [mesh.positions for mesh, _ in garments],
+    )
+    led = pinned if goals is None else np.ones(count, bool)
+    origin = Origin.together(
+        [mesh.origin for mesh, _ in garments],
+        [(len(mesh.positions), len(mesh.faces)) for mesh, _ in garments],
+    )
+    return Cloth(
+        positions=positions,
+        velocities=np.zeros_like(positions),
+        node=np.arange(count, dtype=np.int32),
+        faces=np.concatenate(
+            [mesh.faces + offset for (mesh, _), offset in zip(garments, offsets, strict=False)]
+        ).astype(np.int32),
+        rest_corners=np.concatenate([mesh.rest_corners for mesh, _ in garments]),
+        fabrics=fabrics,
+        fabric=per_face([fabrics.index(fabric) for _, fabric in garments], np.int32),
+        garment=per_face(list(range(len(garments))), np.int32),
+        panel=np.concatenate([mesh.panel for mesh, _ in garments]),
+        uv=np.concatenate([mesh.uv for mesh, _ in garments]),
+        stitches=stitches,
+        seam=np.concatenate(
+            [mesh.seam + seam for (mesh, _), seam in zip(garments, seams, strict=False)]
+        ).astype(np.int32),
+        stitch_length=np.linalg.norm(positions[stitches[:, 0]] - positions[stitches[:, 1]], axis=1),
+        held=np.unique(np.concatenate(held)).astype(np.int32),
+        waist=np.unique(np.concatenate(waist)).astype(np.int32),
+        pinned=pinned,
+        rest_curved=per_face([not mesh.flat for mesh, _ in garments], np.bool_),
+        start_positions=positions.copy(),
+        origin=origin,
+        goals=goals,
+        handles=_handles(origin, led, [mesh for mesh, _ in garments]),
+    )
+
+
+def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion | None:
+    """Return where the corners of garments go, one garment after the other; None if none of them moves.
+
+    Raises InputError if their motions differ in length.
+    """
+    moving = [mesh.motion for mesh in meshes if mesh.motion is not None]
+    if not moving or origin is None:
+        return None
+    lengths = sorted({len(motion.frames) for motion in moving})
+    if len(lengths) > 1:
+        raise InputError(f"motions of pins differ in length ({lengths} frames); give all the same")
+    parts = [
+        np.zeros((lengths[0], count, 3), np.float32) if mesh.motion is None else mesh.motion.frames
+        for mesh, count in zip(meshes, np.diff(origin.first).tolist(), strict=True)
+    ]
+    return VertexMotion(frames=np.concatenate(parts, axis=1), fps=moving[0].fps)
+
+
+def _handles(origin: Origin | None, led: Bool, meshes: list[GarmentMesh]) -> csr_array | None:
+    """Return how nodes that are led follow corners that move, sparse (n, p); None if none does."""
+    if origin is None or all(mesh.motion is None for mesh in meshes):
+        return None
+    moves = np.repeat([mesh.motion is not None for mesh in meshes], [len(mesh.positions) for mesh in meshes])
+    return csr_array(diags_array((led & moves).astype(np.float64)) @ origin.weights)

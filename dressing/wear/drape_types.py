@@ -1,0 +1,222 @@
+"""What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.geometry.arrays import Float, Int
+from toile.remesh.sizing.sizing import SizingOptions
+
+if TYPE_CHECKING:
+    # They import kernels, which are loaded when they are needed.
+    from toile.engine.cloth.cloth import Cloth
+    from toile.engine.cloth.origin import Origin
+    from toile.engine.step.request import StepOptions
+
+Status = Literal["converged", "frame_limit", "cancelled", "failed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeOptions:
+    """How to drape.
+
+    Attributes
+    ----------
+    edge_length
+        Edge length of the mesh in which the garment is sewn [m].
+    sizing
+        How fine the mesh becomes once it is sewn, or None to keep it.
+    max_frames
+        Frames after which the drape stops with status frame_limit.
+    tolerance
+        Residual below which the drape is converged.
+    gravity
+        Downward acceleration [m/s^2].
+    friction
+        Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
+    friction_between
+        Coefficients of pairs of fabrics, or of a fabric and "body", by their names.
+    threads
+        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
+        neither results nor speed depend on it yet.
+    pins
+        Material vertices held where they start, one array per garment.
+    self_contact
+        Per garment: may it touch itself and other garments? The search is left out when none may.
+    persistent
+        Whether seams that jam for good are left open; or the drape gives up.
+    """
+
+    edge_length: float
+    max_frames: int
+    tolerance: float
+    sizing: SizingOptions | None = None
+    gravity: float = 9.81
+    friction: float | None = None
+    friction_between: Mapping[frozenset[str], float] = field(default_factory=dict)
+    threads: int = 1
+    pins: tuple[Int, ...] = ()
+    self_contact: tuple[bool, ...] = ()
+    persistent: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameState:
+    """Where a drape stands after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
+
+    frame: int
+    faces: int
+    contacts: int
+    residual: float
+    seconds: float
+    max_frames: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame).
+
+    `faces` are the faces at fault by their numbers in the file of each garment, shape (k,), where both are
+    known.
+    """
+
+    kind: str
+    message: str
+    where: str = ""
+    faces: tuple[Int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeFigures:
+    """Figures of a drape, as they enter report.json.
+
+    Attributes
+    ----------
+    frames, steps, newton_iterations, cg_iterations
+        Counts; the start is not a frame.
+    simulated_seconds
+        Simulated time [s].
+    nodes, faces
+        (initial, final, max) counts over all garments.
+    contacts_max
+        Largest number of active contacts in a step.
+    avatar_intersections, self_intersections
+        Crossing triangle pairs in the final frame.
+    worst_frame_intersections
+        Crossing triangle pairs, avatar and self together, in the worst output frame. Output frames are
+        those in which the sewn garment settles; while seams still close there is nothing to put out.
+    min_gap_mm
+        Smallest distance between cloth and avatar or cloth in the final frame [mm], None without contact.
+    warp_strain_max, weft_strain_max, strain_p99
+        Strain along the threads in the final frame: largest, and 99th percentile of both [%].
+    residual
+        How far from rest: RMS node motion over the last output frame [m].
+    remeshings, splits, flips, collapses
+        How often the mesh was adapted, and what was done in all.
+    energy_jump_max
+        Largest rise of the elastic energy in a remeshing, as a share of it; 0 if there was none.
+    pop
+        How much farther a node moved in the step after a remeshing of cloth at rest than in the one before,
+        at which the drape counted as settled [m].
+    stage_seconds
+        Wall time per stage [s]; stages that a scene did not need are missing.
+    """
+
+    frames: int
+    simulated_seconds: float
+    steps: int
+    newton_iterations: int
+    cg_iterations: int
+    nodes: tuple[int, int, int]
+    faces: tuple[int, int, int]
+    contacts_max: int
+    avatar_intersections: int
+    self_intersections: int
+    worst_frame_intersections: int
+    min_gap_mm: float | None
+    warp_strain_max: float
+    weft_strain_max: float
+    strain_p99: float
+    residual: float
+    remeshings: int
+    splits: int
+    flips: int
+    collapses: int
+    energy_jump_max: float
+    pop: float
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+
+
+def in_all(parts: list[DrapeFigures], last: DrapeFigures) -> DrapeFigures:
+    """Return the figures of a drape in parts, the last one of all garments together."""
+    every = [*parts, last]
+    summed = (
+        "frames", "simulated_seconds", "steps", "newton_iterations", "cg_iterations", "remeshings", "splits",
+        "flips", "collapses",
+    )  # fmt: skip
+    most = ("contacts_max", "worst_frame_intersections", "energy_jump_max", "pop")
+    seconds: dict[str, float] = {}
+    for part in every:
+        for stage, spent in part.stage_seconds.items():
+            seconds[stage] = seconds.get(stage, 0.0) + spent
+
+    def counts(name: str) -> tuple[int, int, int]:
+        first, _, largest = (sum(getattr(part, name)[k] for part in parts) for k in range(3))
+        return first, getattr(last, name)[1], max(largest, getattr(last, name)[2])
+
+    return replace(
+        last, nodes=counts("nodes"), faces=counts("faces"), stage_seconds=seconds,
+        **{name: sum(getattr(part, name) for part in every) for name in summed},
+        **{name: max(getattr(part, name) for part in every) for name in most},
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapedGarment:
+    """One garment after the drape.
+
+    Attributes
+    ----------
+    positions
+        Welded nodes [m], shape (n, 3).
+    faces
+        Triangles into nodes, shape (t, 3).
+    faces_material
+        The same triangles into material vertices, shape (t, 3).
+    uv
+        Pattern coordinates of material vertices [m], shape (m, 2).
+    panel
+        Panel of every face, shape (t,).
+    velocities
+        Of nodes [m/s], shape (n, 3); None is at rest.
+    origin
+        Which corners and faces of the garment's file all this comes from, or None.
+    """
+
+    positions: Float
+    faces: Int
+    faces_material: Int
+    uv: Float
+    panel: Int
+    velocities: Float | None = None
+    origin: "Origin | None" = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrapeOutcome:
+    """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
+
+    `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
+    film goes on with.
+    """
+
+    status: Status
+    failure: Failure | None
+    figures: DrapeFigures
+    garments: list[DrapedGarment]
+    cloth: "Cloth"
+    step: "StepOptions"
+    notes: tuple[str, ...] = ()
+    gave_up: bool = False
+    pin_motion: VertexMotion | None = None

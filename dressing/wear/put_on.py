@@ -1,0 +1,295 @@
+"""A drape from garment meshes to draped garments: repair the start, run the engine, read off the figures."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numba
+import numpy as np
+
+from toile.collide.shrunken import shrunken
+from toile.dressing.body.dress_form import DressForm
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.arms import drawn_in_arms
+from toile.dressing.wear.assemble_cloth import assemble_cloth, pin_motion
+from toile.dressing.wear.drape_types import (
+    DrapedGarment,
+    DrapeFigures,
+    DrapeOptions,
+    DrapeOutcome,
+    Failure,
+    FrameState,
+    Status,
+    in_all,
+)
+from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.layer_order import flared_outside
+from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
+from toile.dressing.wear.worn import Worn, worn_together
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.contact_pairs import BODY
+from toile.engine.cloth.fabric import Fabric
+from toile.engine.drape.drape import Drape
+from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
+from toile.engine.forces.contact import ContactLaw
+from toile.engine.step.request import StepOptions
+from toile.geometry.errors import InputError
+
+SHRINK = 0.04
+"""How far the body is drawn in while seams close [m]."""
+BODY_RADIUS = 0.002
+SELF_RADIUS = 0.001
+GROWTH_RADIUS = 0.006
+GROWTH_PER_STEP = 0.005
+ARMS_PER_STEP = 0.03
+CONTACT_STIFFNESS = 2e6
+"""Pressure per depth of contact [Pa/m]: a tight garment's 500 Pa sinks in 0.25 mm."""
+SLIP = 1e-3
+LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
+"""Gap at which stitches merge: at least [m], and in edges, since they pull against whole edges."""
+LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
+"""Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
+PEAK_OVER_RMS = 10.0
+
+
+def drape(
+    form: DressForm,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    options: DrapeOptions,
+    on_frame: Callable[[FrameState], bool],
+) -> DrapeOutcome:
+    """Drape garments on a still body.
+
+    Several patterns are put on one after the other, from the body outwards, each over those worn already; at
+    last they hang together. Garments that are 3-D meshes all start where they are. `on_frame` is called after
+    every output frame and cancels the drape by returning False.
+
+    Raises
+    ------
+    InputError
+        A garment starts in a way that cannot be repaired.
+    """
+    numba.set_num_threads(min(options.threads, numba.config.NUMBA_NUM_THREADS))
+    layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
+    reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
+    if not layered:
+        return _put_on(form, garments, options, reel, [])
+    parts: list[DrapeOutcome] = []
+    for index, garment in enumerate(garments):
+        own = replace(options, pins=options.pins[index : index + 1])
+        parts.append(_put_on(form, [garment], own, reel, [part.cloth for part in parts]))
+        if parts[-1].gave_up or parts[-1].status == "cancelled":
+            break
+    worn = garments[: len(parts)]
+    run = Drape(
+        worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
+        _plan(options, [fabric for _, fabric in worn]), reel.show,
+    )  # fmt: skip
+    failure = next((part.failure for part in parts if part.failure is not None), None)
+    run.record.cancelled = parts[-1].status == "cancelled"
+    if not (parts[-1].gave_up or run.record.cancelled):
+        failure = _broken_down(run, run.hang) or failure
+    else:
+        run.close_frame(0)
+    notes = tuple(note for part in parts for note in part.notes)
+    outcome = _outcome(run, worn, failure, notes)
+    return replace(
+        outcome, gave_up=parts[-1].gave_up,
+        figures=in_all([part.figures for part in parts], outcome.figures),
+    )  # fmt: skip
+
+
+class _Reel:
+    """Frames of all drapes of a scene, numbered through."""
+
+    def __init__(self, on_frame: Callable[[FrameState], bool], max_frames: int) -> None:
+        self._on_frame = on_frame
+        self._max_frames = max_frames
+        self._started = time.perf_counter()
+        self._frames = 0
+
+    def show(self, frame: Frame) -> bool:
+        state = FrameState(
+            frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
+            residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
+            max_frames=self._max_frames,
+        )  # fmt: skip
+        self._frames += 1
+        return self._on_frame(state)
+
+
+def _put_on(
+    form: DressForm, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: _Reel,
+    worn: list[Cloth],
+) -> DrapeOutcome:  # fmt: skip
+    """Sew garments on the body, over what is worn, and let them settle."""
+    avatar = form.avatar
+    clothed = Worn(avatar.vertices, avatar.faces, worn)
+    thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
+    notes: list[str] = []
+    shapes = [(avatar.vertices, GROWTH_PER_STEP)]
+    body = None if isinstance(form.measured, InputError) else form.measured
+    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
+    if drawn is not None:
+        shapes.insert(0, (thin, ARMS_PER_STEP))
+        thin = drawn
+        notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
+    growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
+    obstacle = (clothed.on(thin), clothed.faces)
+    shoulder = -np.inf if body is None else body.shoulder_point[1]
+    placed = []
+    for mesh, fabric in garments:
+        lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
+        notes += said
+        layered, said = flared_outside(lifted)
+        notes += said
+        placed.append((layered, fabric))
+    meshes, said = clear_panels([mesh for mesh, _ in placed], obstacle)
+    notes += said
+    cloth = assemble_cloth(
+        [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
+    )
+    run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
+    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes))
+
+
+def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
+    """Run a drape; return what happened if its numbers broke down."""
+    try:
+        phases()
+    except FloatingPointError as error:
+        return Failure(
+            kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
+        )
+    return None
+
+
+def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
+    """Turn options into the engine's numbers."""
+    friction = dict(options.friction_between)
+    if options.friction is not None:
+        friction = {frozenset((fabric.name, BODY)): options.friction for fabric in fabrics} | friction
+    return DrapePlan(
+        step=StepOptions(
+            gravity=options.gravity,
+            radius_body=BODY_RADIUS,
+            radius_self=SELF_RADIUS,
+            growth_radius=GROWTH_RADIUS,
+            law_body=ContactLaw(stiffness=CONTACT_STIFFNESS, edge_share=0.5),
+            law_self=ContactLaw(stiffness=CONTACT_STIFFNESS, edge_share=1.0),
+            friction=friction,
+            slip=SLIP,
+            self_contact=not options.self_contact or any(options.self_contact),
+        ),
+        max_steps=options.max_frames * STEPS_PER_FRAME,
+        rms_motion=options.tolerance,
+        peak_motion=PEAK_OVER_RMS * options.tolerance,
+        merge_gap=max(LEAST_MERGE_GAP, MERGE_GAP * options.edge_length),
+        late_stiffness=max(LEAST_LATE_STIFFNESS, LATE_STIFFNESS * options.edge_length),
+        sizing=options.sizing,
+        persistent=options.persistent,
+    )
+
+
+def _outcome(
+    run: Drape,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    failure: Failure | None,
+    notes: tuple[str, ...],
+) -> DrapeOutcome:
+    """Read the figures off a finished drape."""
+    record, cloth = run.record, run.cloth
+    settled = record.settled_crossings or record.crossings[-1:]
+    last = record.crossings[-1]
+    strain = 100.0 * run.warp_weft_strain()
+    names = [name for mesh, _ in garments for name in mesh.seam_names]
+    gaps = run.gaps()
+    # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
+    is_open = gaps > run.plan.closed_gap
+    if failure is None and not record.cancelled:
+        if sum(last):
+            found = run.audit()
+            place = place_of(cloth, found, [mesh for mesh, _ in garments])
+            failure = Failure(
+                kind="tangled",
+                message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
+                where=f"frame {len(record.crossings) - 1}; {place}",
+                faces=faces_at_fault(cloth, found),
+            )
+        elif is_open.any():
+            seams = sorted({names[index] for index in cloth.seam[is_open]})
+            failure = Failure(
+                kind="open_seams",
+                message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
+                "the garment may be too small for this body, or cloth lies in the way",
+                where=", ".join(seams),
+            )
+        elif run.phase != "settling":
+            failure = Failure(
+                kind="not_sewn",
+                message=f"the frame limit came while the garment was still {run.phase}; allow more frames",
+                where=f"frame {len(record.crossings) - 1}",
+            )
+    status: Status = "frame_limit"
+    if record.cancelled:
+        status = "cancelled"
+    elif failure is not None:
+        status = "failed"
+    elif record.converged:
+        status = "converged"
+    counts = record.node_counts
+    faces = [record.first_faces, *(entry.faces for entry in record.remeshings)]
+    figures = DrapeFigures(
+        frames=len(record.crossings) - 1,
+        simulated_seconds=record.simulated_seconds,
+        steps=record.steps,
+        newton_iterations=record.newton_iterations,
+        cg_iterations=record.cg_iterations,
+        nodes=(counts[0], counts[-1], max(counts)),
+        faces=(faces[0], faces[-1], max(faces)),
+        contacts_max=record.contacts_max,
+        avatar_intersections=last[0],
+        self_intersections=last[1],
+        worst_frame_intersections=max(a + b for a, b in settled),
+        min_gap_mm=None if run.smallest_gap() is None else 1e3 * float(run.smallest_gap() or 0.0),
+        warp_strain_max=float(strain[:, 0].max()),
+        weft_strain_max=float(strain[:, 1].max()),
+        strain_p99=float(np.quantile(strain, 0.99)),
+        residual=record.rms_motion,
+        remeshings=len(record.remeshings),
+        splits=sum(done.splits for done in record.remeshings),
+        flips=sum(done.flips for done in record.remeshings),
+        collapses=sum(done.collapses for done in record.remeshings),
+        energy_jump_max=max((done.energy_jump for done in record.remeshings), default=0.0),
+        pop=record.pop,
+        stage_seconds=run.clock.seconds,
+    )
+    return DrapeOutcome(
+        status=status, failure=failure, figures=figures, garments=taken_apart(cloth, len(garments)),
+        cloth=cloth, step=run.plan.step, notes=notes, gave_up=record.gave_up,
+        pin_motion=pin_motion([mesh for mesh, _ in garments], cloth.origin),
+    )  # fmt: skip
+
+
+def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
+    """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
+    draped = []
+    for index in range(count):
+        own = cloth.garment == index
+        vertices, local = np.unique(cloth.faces[own], return_inverse=True)
+        nodes, node = np.unique(cloth.node[vertices], return_inverse=True)
+        material = local.reshape(-1, 3).astype(np.int32)
+        draped.append(
+            DrapedGarment(
+                positions=cloth.positions[nodes],
+                faces=node.astype(np.int32)[material],
+                faces_material=material,
+                uv=cloth.uv[vertices],
+                panel=cloth.panel[own],
+                velocities=cloth.velocities[nodes],
+                origin=None
+                if cloth.origin is None
+                else cloth.origin.of_garment(index, vertices, np.flatnonzero(own).astype(np.int32)),
+            )
+        )
+    return draped

@@ -1,0 +1,1 @@
+"""Adaptive remeshing of a cloth in simulation: sizing fields, gates, transfer to a new mesh."""

@@ -1,0 +1,72 @@
+"""Which flips and collapses a cloth in a run can bear: no crossing, no closing gap, no jump in energy."""
+
+import numpy as np
+
+from toile.collide.patch_clearance import clear_proposals
+from toile.engine.adapt.patch_energy import patch_energies
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.step.step import ClothStepper
+from toile.geometry.arrays import Bool, Float
+from toile.remesh.adapt.acceptance import Proposals
+
+LEAST_GAP = 1e-4
+"""Gap that flips and collapses leave to other cloth and to the avatar [m]."""
+ENERGY_BUDGET = 0.002
+"""How much they may add to the elastic energy in one pass, as a share of it."""
+
+ROUNDING = 1e-7
+"""Strain that is no more than rounding: flat cloth at rest has no energy to take a share of."""
+
+
+class PatchGate:
+    """Accepts changes of patches during one pass of remeshing.
+
+    Fabric hardly stretches, so that another triangulation of a curved patch may hold many times its energy.
+    Changes are taken from the cheapest on, as far as a budget goes; what lowers the energy adds to it.
+
+    Attributes
+    ----------
+    left
+        Energy that may still be added [J].
+    """
+
+    def __init__(self, cloth: Cloth, stepper: ClothStepper) -> None:
+        self._weld = cloth.weld
+        self._avatar = stepper.avatar
+        fabrics = cloth.fabrics
+        names = ("stretch_warp", "stretch_weft", "shear", "compression")
+        self._stiffness = np.array([[getattr(f, name) for name in names] for f in fabrics])[cloth.fabric]
+        rounding = float((self._stiffness[:, 0] * np.abs(cloth.rest_area)).sum()) * ROUNDING**2
+        self.left = ENERGY_BUDGET * stepper.elastic_energy() + rounding
+
+    def __call__(self, positions: Float, proposals: Proposals) -> Bool:
+        """Tell which proposals are accepted, shape (p,); nodes beyond the cloth's are new ones."""
+        added = self._added_energy(positions, proposals)
+        order = np.argsort(added, kind="stable")
+        accepted = np.zeros(len(added), bool)
+        accepted[order[np.cumsum(added[order]) <= self.left]] = True
+        rows, removed = accepted[proposals.owner], accepted[proposals.removed_owner]
+        number = np.cumsum(accepted, dtype=np.int32) - np.int32(1)
+        weld = np.arange(len(positions), dtype=np.int32)
+        weld[: len(self._weld)] = self._weld
+        clear = clear_proposals(
+            positions, proposals.face_nodes, weld, np.ascontiguousarray(proposals.triangles[rows]),
+            number[proposals.owner[rows]], proposals.removed[removed],
+            number[proposals.removed_owner[removed]], int(accepted.sum()), self._avatar, LEAST_GAP, LEAST_GAP,
+        )  # fmt: skip
+        accepted[accepted] = clear
+        self.left -= float(added[accepted].sum())
+        return accepted
+
+    def _added_energy(self, positions: Float, proposals: Proposals) -> Float:
+        """Membrane energy that each proposal adds [J], shape (p,)."""
+        count = proposals.proposal_count
+        new = patch_energies(
+            positions, proposals.triangles, proposals.rest_corners, self._stiffness, proposals.origin
+        )
+        old = patch_energies(
+            positions, proposals.face_nodes[proposals.removed], proposals.removed_rest_corners,
+            self._stiffness, proposals.removed_origin,
+        )  # fmt: skip
+        after = np.bincount(proposals.owner, weights=new, minlength=count)
+        return np.asarray(after - np.bincount(proposals.removed_owner, weights=old, minlength=count))

@@ -1,0 +1,1 @@
+"""A drape to equilibrium: sewing, growing, settling, and the audited frame loop."""

@@ -1,0 +1,65 @@
+"""Tangles: where cloth crosses itself or the avatar it passes through, until it is drawn apart."""
+
+import numpy as np
+
+from toile.engine.drape.merging import merge_late
+from toile.engine.drape.passable import let_pass_crossings
+from toile.engine.drape.state import DrapeState
+from toile.engine.step.request import StepRequest
+
+LARGEST_EFFORT, GENTLE_EFFORT = 16.0, 4.0
+"""Largest effort at the first attempt, which loosens most, and the second, which makes fewer new tangles."""
+
+
+def disentangle(drape: DrapeState, effort: float = 1.0) -> bool:
+    """Make cloth that crosses nothing any more solid again; return whether all of it is.
+
+    The patch that stays passable around a crossing grows with the square root of `effort`.
+    """
+    if not drape.ghost.any():
+        return True
+    let_pass_crossings(drape, drape.audit(), np.sqrt(effort))
+    return not drape.ghost.any()
+
+
+def relax_tangles(drape: DrapeState) -> None:
+    """Draw tangled cloth apart, without gravity, until nothing crosses any more or patience ends.
+
+    Whatever resists is drawn harder, over a wider patch, from frame to frame.
+    """
+    plan = drape.plan
+    effort = 1.0
+    for _ in range(plan.tangle_frames):
+        if drape.stopped() or disentangle(drape, effort):
+            return
+        _draw_apart(drape, effort)
+        effort = min(2.0 * effort, GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT)
+    disentangle(drape)
+
+
+def close_late(drape: DrapeState) -> None:
+    """Close what is still open: cloth around it may pass through itself, and is then drawn apart."""
+    for _ in range(0 if drape.solid else drape.plan.late_frames):
+        if drape.stopped() or not len(drape.cloth.stitches):
+            break
+        let_pass_crossings(drape, drape.audit(), closing=drape.cloth.stitches.ravel())
+        _draw_apart(drape, 1.0)
+    relax_tangles(drape)
+
+
+def _draw_apart(drape: DrapeState, effort: float) -> None:
+    """Make a frame of steps in which tangled cloth is drawn apart and stitches close."""
+    plan = drape.plan
+    for _ in range(plan.steps_per_frame):
+        if drape.stopped():
+            return
+        merge_late(drape)
+        drape.take(
+            StepRequest(
+                h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
+                stitch_stiffness=plan.late_stiffness, bending_factor=plan.sewing_bending,
+                untangle_stiffness=effort * plan.untangle_stiffness, cg_tolerance=plan.cg_tolerance,
+            )
+        )  # fmt: skip
+        if drape.audited == drape.record.steps and not any(drape.record.crossings[-1]):
+            return  # Nothing crosses at this moment: it is seized.

@@ -1,0 +1,1 @@
+"""Cloth in motion: the film loop, its step sizes and time-stepping methods."""

@@ -1,0 +1,285 @@
+"""The film of cloth in motion on a still or moving avatar: implicit steps, frames at a fixed rate."""
+
+from collections.abc import Callable
+from copy import deepcopy
+from math import ceil, inf
+from time import process_time
+
+import numpy as np
+
+from toile.collide.search import AvatarSurface
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.avatar_path import AvatarPath
+from toile.engine.film.plan import FilmFrame, FilmPlan, FilmRecord, FilmState
+from toile.engine.step.cloth_run import ClothRun
+from toile.engine.step.request import StageClock, StepOutcome, StepRequest
+from toile.geometry.arrays import Float, Int
+
+GROWTH = 1.2
+"""Factor on the step size after a step that went well."""
+MOVED = 1.0
+"""RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
+RELAXING = 0.01
+"""Step size in which the nodes around remeshed faces find their places [s]."""
+CATCHING_UP = 12
+"""Short steps at most in which cloth gives way to an avatar that it has held back."""
+ARRIVED = 1e-9
+"""Distance at which an avatar's vertex counts as where it shall be [m]."""
+
+
+class Simulation(ClothRun):
+    """A film in progress: call `run`.
+
+    The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
+    does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
+    motion there until they part. Pins and goals follow the handles of the cloth, which go along `pin_motion`.
+    `on_frame` is called with every audited frame and ends the film by returning False. Stages are clocked by
+    CPU time unless `clock` does otherwise.
+    """
+
+    def __init__(
+        self, cloth: Cloth, avatar: tuple[Float, Int] | None, plan: FilmPlan,
+        on_frame: Callable[[FilmFrame], bool], motion: VertexMotion | None = None,
+        clock: StageClock | None = None, pin_motion: VertexMotion | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(cloth, avatar, plan.step, clock or StageClock(now=process_time))
+        self.plan = plan
+        self.on_frame = on_frame
+        self.motion = motion
+        self.pin_motion = None if cloth.handles is None else pin_motion
+        self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
+        self.record = FilmRecord()
+        self._meshed_at = cloth.positions
+        self._h = plan.longest_step
+        self._contacts = 0
+        self._min_gap = inf
+        self._steps = 0
+        self._driven_speed = 0.0
+        self._lag = 0.0
+
+    def run(self, seconds: float) -> FilmRecord:
+        """Advance by `seconds`, rounded to whole frames, or until on_frame returns False."""
+        if not self.record.crossings:
+            self._close_frame()
+        for _ in range(round(seconds / self.plan.frame_seconds)):
+            if self.record.cancelled or self._jumps():
+                break
+            if self.motion is not None:
+                self._begin_afresh()
+            self._remesh()
+            self._advance(self.plan.frame_seconds)
+            self._catch_up()
+            self._close_frame()
+            if self.record.failure:
+                break
+        return self.record
+
+    def state(self) -> FilmState:
+        """Return all that the film needs to go on, after a frame."""
+        stepper = self.stepper
+        return FilmState(
+            cloth=self.cloth, memory=stepper.memory,
+            anchors=None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy(),
+            avatar=None if self.surface is None else self.surface.vertices,
+            poses={} if self.path is None else dict(self.path.poses),
+            meshed_at=self._meshed_at, longest_step=self._h, record=deepcopy(self.record),
+        )  # fmt: skip
+
+    def go_on_from(self, state: FilmState) -> None:
+        """Take up a film of the same avatar, plan and motion where another left it."""
+        if self.surface is not None and state.avatar is not None:
+            self.surface.move_to(state.avatar)
+        if self.path is not None:
+            self.path.poses.update(state.poses)
+        self.restart(state.cloth, state.anchors, state.memory)
+        self._meshed_at, self._h, self.record = state.meshed_at, state.longest_step, deepcopy(state.record)
+
+    def _begin_afresh(self) -> None:
+        """Forget what was carried over from earlier frames, so that a film taken up here runs the same."""
+        stepper = self.stepper
+        anchors = None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy()
+        if self.surface is not None:
+            self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
+        self.restart(self.cloth, anchors, stepper.memory)
+
+    def _frame_time(self) -> float:
+        """Time of the last frame [s]."""
+        return (len(self.record.crossings) - 1) * self.plan.frame_seconds
+
+    def _jumps(self) -> bool:
+        """Whether avatar or pins jump until the next frame: no cloth can follow."""
+        if self.path is not None and self.surface is not None:
+            self.path.see(self.surface.vertices, self.stepper.x)
+        self._driven_speed = 0.0
+        for motion, name, point in (
+            (self.motion, "the avatar jumps", "its vertex"), (self.pin_motion, "pins jump", "handle")
+        ):  # fmt: skip
+            if motion is None:
+                continue
+            speed, number = motion.speed(self._frame_time(), self.plan.frame_seconds)
+            self._driven_speed = max(speed, self._driven_speed)
+            if speed > self.plan.speed_max:
+                self.record.failure = (
+                    f"{name} after frame {len(self.record.crossings) - 1}: {point} {number} moves "
+                    f"{speed * self.plan.frame_seconds:.2f} m in {self.plan.frame_seconds:.3g} s; give more "
+                    "frames in between, or start a new scene there"
+                )
+        return bool(self.record.failure)
+
+    def _remesh(self) -> None:
+        """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed.
+
+        Cloth that has not moved yet keeps its mesh: a flat one would lose what its first folds need.
+        """
+        plan, record = self.plan, self.record
+        if plan.sizing is None or not record.steps or (len(record.crossings) - 1) % plan.remesh_frames:
+            return
+        away = self.stepper.x - self._meshed_at
+        away -= away.mean(axis=0)
+        if float(np.sqrt((away**2).sum() / len(away))) < MOVED * plan.sizing.size_min:
+            return
+        # Its kernels are compiled for scenes that ask for it only.
+        from toile.engine.adapt.remeshing import remesh_run
+
+        now = self.clock.now()
+        request = StepRequest(h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance)
+        done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
+        if done is not None:
+            record.remeshings.append(done)
+        self._meshed_at = self.stepper.x.copy()
+        self.clock.add("remesh", now)
+
+    def _advance(self, seconds: float) -> None:
+        """Step until `seconds` have passed, in steps as equal as the adaptive size allows."""
+        plan, record = self.plan, self.record
+        left = seconds
+        while left > 1e-9 * seconds:
+            speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._driven_speed)
+            wished = min(self._h, plan.motion_max / max(speed, 1e-300))
+            h = left / ceil(left / wished - 1e-9)
+            outcome, good = self._attempt(h, self._frame_time() + seconds - left)
+            if outcome is None:
+                self._h = 0.5 * h
+                continue
+            if good:
+                self._h = min(GROWTH * self._h, plan.longest_step)
+            left -= h
+            record.steps += 1
+            record.simulated_seconds += h
+            self._steps += 1
+            self._contacts = outcome.contacts
+            self._min_gap = min(self._min_gap, outcome.min_gap)
+
+    def _attempt(self, h: float, since: float) -> tuple[StepOutcome | None, bool]:
+        """Try a step of size h from a time [s]: its outcome or, undone, None; and whether it went well."""
+        plan, stepper, record = self.plan, self.stepper, self.record
+        before = self.stretch_max()
+        saved = stepper.save()
+
+        def ask(length: float, share: float) -> StepRequest:
+            until = since + share * h
+            return StepRequest(
+                h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
+                cg_tolerance=plan.cg_tolerance, motion_max=inf,
+                avatar_target=None if self.path is None else self.path.at(until),
+                pin_target=self._pins(until), seconds=until,
+            )  # fmt: skip
+
+        outcome = plan.integrator(stepper, h, ask)
+        record.newton_iterations += outcome.newton_iterations
+        record.cg_iterations += outcome.cg_iterations
+        rise = self.stretch_max() - before
+        if outcome.converged and rise <= plan.stretch_rise:
+            return outcome, rise <= 0.5 * plan.stretch_rise
+        if h > plan.shortest_step:
+            record.retries += 1
+            stepper.restore(saved)
+            return None, False
+        record.forced += 1
+        return outcome, False
+
+    def _pins(self, seconds: float) -> Float | None:
+        """Where handles take pins and goals at a time [m], shape (n, 3); only their rows count."""
+        cloth = self.cloth
+        if self.pin_motion is None or cloth.handles is None:
+            return None
+        stay = cloth.positions
+        if cloth.goals is not None:
+            stay = np.where(cloth.pinned[:, None], stay, cloth.goals.places)
+        led = np.asarray(cloth.handles.sum(axis=1)).reshape(-1, 1) > 0.5
+        return np.where(led, cloth.handles @ self.pin_motion.at(seconds), stay)
+
+    def _catch_up(self) -> None:
+        """Let cloth give way where it holds avatar or pins back, without time passing."""
+        plan, stepper = self.plan, self.stepper
+        if self.path is None and self.pin_motion is None:
+            return
+        now = self._frame_time() + plan.frame_seconds
+        target, pins = None if self.path is None else self.path.at(now), self._pins(now)
+        lag, place = self._behind(target, pins)
+        if lag > ARRIVED:
+            velocities = stepper.v
+            for _ in range(CATCHING_UP):
+                stepper.v = np.zeros_like(stepper.x)
+                stepper.step(
+                    StepRequest(
+                        h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
+                        motion_max=inf, avatar_target=target, pin_target=pins, seconds=now,
+                    )
+                )  # fmt: skip
+                before = lag
+                lag, place = self._behind(target, pins)
+                if lag <= ARRIVED or lag > 0.9 * before:
+                    break
+            stepper.v = velocities
+        if lag > plan.lag_max:
+            self.record.failure = (
+                f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "
+                f"{1e3 * lag:.0f} mm in frame {len(self.record.crossings)} near ({place[0]:.2f}, "
+                f"{place[1]:.2f}, {place[2]:.2f}) m: it is caught where it cannot give way"
+            )
+        self._lag = lag
+
+    def _behind(self, avatar: Float | None, pins: Float | None) -> tuple[float, Float]:
+        """How far and where avatar or pins are farthest from their targets [m], shapes (v, 3), (n, 3)."""
+        stepper = self.stepper
+        apart = [(0.0, np.zeros(3))]
+        if avatar is not None and self.surface is not None:
+            apart.append(_farthest(self.surface.vertices, avatar))
+        if pins is not None and stepper.pinned is not None:
+            apart.append(_farthest(stepper.x[stepper.pinned], pins[stepper.pinned]))
+        return max(apart, key=lambda one: one[0])
+
+    def stretch_max(self) -> float:
+        """Largest stretch along warp or weft now."""
+        return float(self.warp_weft_strain().max())
+
+    def _close_frame(self) -> None:
+        """Audit the cloth as it is, hand it out and book it."""
+        record = self.record
+        if self.motion is not None:
+            self.auditor = None
+        crossings = self.audited_cloth()
+        frame = FilmFrame(
+            index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,
+            crossings=crossings, steps=self._steps, contacts=self._contacts, min_gap=self._min_gap,
+            stretch_max=self.stretch_max(),
+            avatar=None if self.surface is None else self.surface.vertices, lag=self._lag,
+        )  # fmt: skip
+        record.crossings.append((len(crossings.avatar), len(crossings.cloth)))
+        record.faces.append(len(self.cloth.faces))
+        record.steps_per_frame.append(frame.steps)
+        record.stretch_max.append(frame.stretch_max)
+        record.min_gap.append(frame.min_gap)
+        record.lag.append(frame.lag)
+        self._steps, self._contacts, self._min_gap = 0, 0, inf
+        if not self.on_frame(frame):
+            record.cancelled = True
+
+
+def _farthest(there: Float, target: Float) -> tuple[float, Float]:
+    """Largest distance between vertices, both shape (v, 3), and where it is [m]."""
+    distance = np.linalg.norm(there - target, axis=1)
+    most = int(distance.argmax())
+    return float(distance[most]), there[most]

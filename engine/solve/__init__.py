@@ -1,0 +1,1 @@
+"""The linear system of a Newton iteration: block matrix, assembly, conjugate gradients."""

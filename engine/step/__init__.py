@@ -1,0 +1,1 @@
+"""One implicit step: inertia, contacts, Newton iterations, safe moves."""

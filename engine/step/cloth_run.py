@@ -1,0 +1,75 @@
+"""What every run of cloth has: the cloth, a still or growing avatar, a stepper, an auditor, a clock."""
+
+from dataclasses import replace
+
+from toile.collide.audit import Auditor, Crossings
+from toile.collide.search import AvatarSurface
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.step.memory import Memory
+from toile.engine.step.request import StageClock, StepOptions, StepRequest
+from toile.engine.step.step import ClothStepper
+from toile.geometry.arrays import Float, Int
+
+
+class ClothRun:
+    """State that drapes and films share.
+
+    Attributes
+    ----------
+    cloth
+        The cloth; its positions are those of the last frame.
+    stepper
+        Makes steps on the cloth's present topology; its positions are the current ones.
+    surface
+        The avatar as it is now, or None.
+    auditor
+        Finds crossings with the avatar as it is; None when it has moved since.
+    clock
+        Time spent per stage.
+    """
+
+    def __init__(
+        self, cloth: Cloth, avatar: tuple[Float, Int] | None, options: StepOptions, clock: StageClock
+    ) -> None:
+        self.cloth = cloth
+        self.clock = clock
+        self.surface = None if avatar is None else AvatarSurface(*avatar)
+        self.auditor: Auditor | None = None
+        self.stepper = ClothStepper(cloth, self.surface, options, clock)
+
+    def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
+        """Go on with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
+
+        Without them anchors start at the nodes, and steps know no past.
+        """
+        self.cloth = cloth
+        self.stepper = ClothStepper(cloth, self.surface, self.stepper.options, self.clock)
+        if anchors is not None and self.stepper.search is not None:
+            self.stepper.anchor[: len(anchors)] = anchors
+        if memory is not None:
+            self.stepper.memory = memory
+
+    def audit(self) -> Crossings:
+        """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
+        stepper, surface = self.stepper, self.surface
+        if self.auditor is None:
+            body = (None, None) if surface is None else (surface.vertices, surface.faces)
+            self.auditor = Auditor(*body)
+        return self.auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
+
+    def audited_cloth(self) -> Crossings:
+        """Take the stepper's positions and velocities over into the cloth; return its crossings."""
+        now = self.clock.now()
+        self.cloth = replace(self.cloth, positions=self.stepper.x.copy(), velocities=self.stepper.v.copy())
+        crossings = self.audit()
+        self.clock.add("audit", now)
+        return crossings
+
+    def warp_weft_strain(self) -> Float:
+        """Strain along warp and weft of every face now, shape (t, 2)."""
+        return self.stepper.membrane.warp_weft_strain(self.stepper.x)
+
+    def smallest_gap(self) -> float | None:
+        """Smallest distance between cloth and avatar or cloth now [m]; None if nothing is within reach."""
+        contacts = self.stepper.contacts(StepRequest(h=1.0, at_rest=True))
+        return None if contacts is None or not contacts.count else float(contacts.gap.min())

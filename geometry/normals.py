@@ -1,0 +1,27 @@
+"""Normals of the vertices of a triangle mesh."""
+
+import numpy as np
+
+from toile.geometry.arrays import Float, Int
+
+
+def vertex_normals(positions: Float, faces: Int) -> Float:
+    """Return area-weighted unit normals, shape (n, 3); those of vertices without area are zero."""
+    a, b, c = (positions[faces[:, corner]] for corner in range(3))
+    face_normals = np.cross(b - a, c - a)
+    flat = faces.ravel()
+    sums = np.stack(
+        [
+            np.bincount(flat, weights=np.repeat(face_normals[:, axis], 3), minlength=len(positions))
+            for axis in range(3)
+        ],
+        axis=1,
+    )
+    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300))
+
+
+def drawn_normals(positions: Float, faces: Int) -> Float:
+    """Return vertex normals for files and pictures, shape (n, 3): upwards where a vertex has no area."""
+    normals = vertex_normals(positions, faces)
+    normals[~normals.any(axis=1)] = (0.0, 1.0, 0.0)
+    return normals

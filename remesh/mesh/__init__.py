@@ -1,0 +1,1 @@
+"""The cloth mesh as remeshing sees it: nodes, material vertices, edges, faces around nodes."""

@@ -1,0 +1,1 @@
+"""Studies of the engine: validation, hard cases, speed against error."""

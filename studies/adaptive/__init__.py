@@ -1,0 +1,1 @@
+"""Adaptive against uniform meshes: error for time, distances between surfaces."""

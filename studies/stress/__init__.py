@@ -1,0 +1,1 @@
+"""Hard cases: what makes cloth simulators fail."""

@@ -1,0 +1,1 @@
+"""Comparisons with theory and with measured cloth, one case a file."""
