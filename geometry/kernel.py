@@ -47,7 +47,6 @@ I32_1 = types.Array(types.int32, 1, "C", readonly=True)
 I32_2 = types.Array(types.int32, 2, "C", readonly=True)
 I64_1 = types.Array(types.int64, 1, "C", readonly=True)
 BOOL_1 = types.Array(types.boolean, 1, "C", readonly=True)
-BOOL_2 = types.Array(types.boolean, 2, "C", readonly=True)
 OUT_F64_1 = types.Array(types.float64, 1, "C")
 OUT_F64_2 = types.Array(types.float64, 2, "C")
 OUT_F64_3 = types.Array(types.float64, 3, "C")
@@ -63,12 +62,9 @@ OUT_BOOL_1 = types.Array(types.boolean, 1, "C")
 LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "no_rewrites": True}
 
 
-def kernel(signature: Any, *, parallel: bool = False) -> Any:
-    """Compile a batch kernel for one signature, cached on disk.
-
-    `parallel` only where iteration i writes row i: results must not depend on the thread count.
-    """
-    return njit(signature, cache=True, nogil=True, parallel=parallel, **LEAN)
+def kernel(signature: Any) -> Any:
+    """Compile a batch kernel for one signature, cached on disk."""
+    return njit(signature, cache=True, nogil=True, **LEAN)
 
 
 def packed_kernel(signature: Any) -> Any:

@@ -64,7 +64,7 @@ def dress_job(request: JobRequest) -> Outcome:
     from toile.dressing.run.dress import dress
 
     def work(request: JobRequest) -> Outcome:
-        result = dress(replace(request.scene, threads=1), request.work)
+        result = dress(request.scene, request.work)
         write_thumbnail(request.work)
         failure = result.report["failure"]
         return Outcome(

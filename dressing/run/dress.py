@@ -180,7 +180,6 @@ def _hang(scene: Scene, checkpoint: Checkpoint | None, progress: Progress | None
             gravity=scene.gravity,
             friction=scene.friction,
             friction_between=_friction_between(scene, cloth_fabrics),
-            threads=scene.threads,
             pins=tuple(
                 pinned_vertices(mesh, garment.pins)
                 for mesh, garment in zip(meshes, scene.garments, strict=True)

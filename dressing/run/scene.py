@@ -116,9 +116,6 @@ class Scene:
         have the geometric mean of theirs.
     air
         Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
-    threads
-        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
-        neither the result nor the speed depends on it yet.
     """
 
     garments: Sequence[Garment]
@@ -133,7 +130,6 @@ class Scene:
     friction: float | None = None
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
-    threads: int = 1
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -159,7 +155,6 @@ class Scene:
             if not isinstance(pair, tuple) or len(pair) != 2:
                 raise InputError(f"friction_between: a pair is two names, got {pair!r}")
             _check_number(f"friction_between {' and '.join(map(str, pair))}", value, low=0.0, high=10.0)
-        _check_number("threads", self.threads, low=1, high=1024)
 
 
 def _check_number(name: str, value: float | None, *, low: float, high: float, unit: str = "") -> None:
