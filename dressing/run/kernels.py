@@ -21,9 +21,9 @@ DRAPE_KERNELS = (
     "toile.engine.forces.friction",
     "toile.engine.solve.preconditioner.aggregates",
     "toile.engine.solve.preconditioner.band_cholesky",
-    "toile.engine.solve.preconditioner.rigid_coarse",
-    "toile.engine.solve.preconditioner.rigid_product",
     "toile.engine.solve.preconditioner.rigid_transfer",
+    "toile.engine.solve.preconditioner.rigid_product",
+    "toile.engine.solve.preconditioner.rigid_coarse",
     "toile.collide.bvh",
     "toile.collide.candidates",
     "toile.collide.cover",
@@ -34,16 +34,16 @@ DRAPE_KERNELS = (
 )
 PANEL_KERNELS = (
     "toile.remesh.panel.smooth_points",
-    "toile.remesh.panel.split_ears",
     "toile.remesh.panel.delaunay_flip",
+    "toile.remesh.panel.split_ears",
     "toile.remesh.panel.frontal_insert",
 )
 REMESH_KERNELS = (
     "toile.collide.patch_clearance",
+    "toile.remesh.mesh.mesh_edges",
     "toile.remesh.sizing.edge_size",
     "toile.remesh.adapt.choose_merges",
     "toile.remesh.sizing.smooth_curvature",
-    "toile.remesh.mesh.mesh_edges",
     "toile.remesh.adapt.mesh_in_work",
     "toile.remesh.adapt.judge_flips",
     "toile.remesh.adapt.flip_round",

@@ -13,6 +13,7 @@ import pytest
 import toile
 from toile.dressing.run import kernels
 from toile.geometry import kernel
+from toile.geometry.sources import modules_behind, read_sources
 
 ALL_KERNELS = (
     kernels.DRAPE_KERNELS
@@ -41,6 +42,24 @@ def holds_kernels(module: str) -> bool:
 def test_every_module_with_kernels_is_listed_once() -> None:
     modules = [module.name for module in pkgutil.walk_packages(toile.__path__, "toile.")]
     assert sorted(ALL_KERNELS) == sorted(filter(holds_kernels, modules))
+
+
+def test_modules_come_after_those_they_import() -> None:
+    """The process at the front of a list must not compile what the one at its end begins with."""
+    sources = read_sources()
+    groups = (kernels.PANEL_KERNELS, kernels.REMESH_KERNELS, kernels.PICTURE_KERNELS)
+    for group in (kernels.DRAPE_KERNELS, *(kernels.DRAPE_KERNELS + group for group in groups)):
+        for place, module in enumerate(group):
+            behind = modules_behind(sources, module) & set(group)
+            assert behind <= set(group[: place + 1]), f"{module} imports a later one"
+
+
+def test_what_dresses_is_listed() -> None:
+    """Whatever a drape or a film imports holds no kernel that the lists of the drape lack."""
+    sources = read_sources()
+    listed = set(ALL_KERNELS) - set(kernels.INTEGRATOR_KERNELS)
+    for module in ("toile.dressing.wear.put_on", "toile.dressing.run.follow"):
+        assert set(filter(holds_kernels, modules_behind(sources, module))) <= listed
 
 
 def stored(folder: Path) -> set[str]:
