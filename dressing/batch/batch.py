@@ -12,7 +12,7 @@ from toile.dressing.batch.batch_stopped import BatchStopped
 from toile.dressing.batch.dress_job import JobRequest, dress_job, load_dressing, result_folder, settled
 from toile.dressing.batch.failure_classes import ATTEMPTS, disk_is_full
 from toile.dressing.batch.fingerprint import Fingerprints
-from toile.dressing.batch.folder_lock import lock_folder
+from toile.dressing.batch.folder_lock import check_system, lock_folder
 from toile.dressing.batch.job import Job, as_jobs, avatar_name, fabric_names
 from toile.dressing.batch.job_folder import make_folders, published, remove_result, work_folder
 from toile.dressing.batch.ledger import Entry, Ledger
@@ -104,10 +104,11 @@ def batch(
     Raises
     ------
     InputError
-        If the folder, a limit or a job's name is at fault.
+        If the folder, a limit or a job's name is at fault, or the system cannot fork.
     BatchStopped
         If the disk is full, or Dask's scheduler gone: what has ended is kept, and the same call goes on.
     """
+    check_system()
     limits = checked_limits(job_timeout, job_memory)
     count = checked_workers(workers)
     if ship and dask is None:
