@@ -169,13 +169,24 @@ def test_compile_options_live_in_one_file() -> None:
     assert "fastmath" not in KERNEL_MODULE.read_text()
 
 
-def test_imports_are_declared() -> None:
-    """Everything imported at run time is a declared dependency; test tools and plotters are not."""
+MODULE_OF = {"python-fcl": "fcl", "usd-core": "pxr"}
+"""Modules of distributions that have another name."""
+
+
+def modules_of(requirements: list[str]) -> set[str]:
+    """Return the names under which required distributions are imported."""
+    names = (re.split(r"[^A-Za-z0-9-]", entry)[0] for entry in requirements)
+    return {MODULE_OF.get(name, name) for name in names}
+
+
+def test_imports_are_declared_and_declared_ones_are_imported() -> None:
+    """What is imported at run time is a dependency, and nothing else is; test tools and plotters are not."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     optional = project["optional-dependencies"]
-    extras = [entry for name in optional if name != "dev" for entry in optional[name]]
-    declared = {re.split(r"[^A-Za-z0-9-]", entry)[0] for entry in (*project["dependencies"], *extras)}
-    modules = {{"python-fcl": "fcl", "usd-core": "pxr"}.get(name, name) for name in declared}
+    needed = modules_of(project["dependencies"])
+    allowed = needed | modules_of([entry for name in optional if name != "dev" for entry in optional[name]])
+    allowed |= {"toile", "bpy", "bpy_extras", *sys.stdlib_module_names}
+    imported = set()
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text())):
             names = []
@@ -186,8 +197,9 @@ def test_imports_are_declared() -> None:
                 names = [node.module or ""]
             for name in names:
                 top = name.partition(".")[0]
-                allowed = top in {"toile", "bpy", "bpy_extras", *modules} or top in sys.stdlib_module_names
-                assert allowed, f"{path} imports {top}"
+                assert top in allowed, f"{path} imports {top}"
+                imported.add(top)
+    assert needed <= imported, f"every install brings {needed - imported}, which nothing imports"
 
 
 @pytest.mark.parametrize(
