@@ -53,6 +53,10 @@ class AvatarSurface:
         self._tree: bvh.Bvh | None = None
         self._reach = np.full(len(vertices), -1.0)
 
+    def expect(self, motion: Float, drift: Float | None = None) -> None:
+        """Say how far vertices may move before the next search [m], (v,), and where they drift, (v, 3)."""
+        self.motion, self.drift = motion, drift
+
     def stay(self) -> None:
         """Expect no motion in the next search."""
         self.motion = np.zeros(len(self.vertices))

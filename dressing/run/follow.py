@@ -28,7 +28,7 @@ from toile.engine.film.plan import (
 from toile.engine.film.simulate import Simulation
 from toile.engine.film.time_steps import tr_bdf2
 from toile.engine.forces.wind import AirFlow
-from toile.engine.step.request import StageClock
+from toile.engine.step.options import StageClock
 from toile.remesh.sizing.sizing import SizingOptions
 
 FRAMES = "frames"

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     # They import kernels, which are loaded when they are needed.
     from toile.engine.cloth.cloth import Cloth
     from toile.engine.cloth.origin import Origin
-    from toile.engine.step.request import StepOptions
+    from toile.engine.step.options import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
 

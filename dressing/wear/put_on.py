@@ -27,12 +27,12 @@ from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.cloth.contact_pairs import BODY
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.forces.contact import ContactLaw
-from toile.engine.step.request import StepOptions
+from toile.engine.forces.contact_pairs import BODY
+from toile.engine.step.options import StepOptions
 from toile.geometry.errors import InputError
 
 SHRINK = 0.04

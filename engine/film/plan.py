@@ -7,7 +7,7 @@ from toile.engine.adapt.remeshing_record import Remeshing
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.film.time_steps import FilmIntegrator, backward_euler
 from toile.engine.step.memory import Memory
-from toile.engine.step.request import StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
 
@@ -124,7 +124,7 @@ class FilmState:
     cloth
         The cloth, with its velocities.
     memory
-        What its steps remember.
+        What its steps remember, or None.
     anchors
         Friction anchors of its nodes [m], shape (n, 3), or None without contact.
     avatar
@@ -140,7 +140,7 @@ class FilmState:
     """
 
     cloth: Cloth
-    memory: Memory
+    memory: Memory | None
     anchors: Float | None
     avatar: Float | None
     poses: dict[int, Float]

@@ -12,8 +12,9 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.avatar_path import AvatarPath
 from toile.engine.film.plan import FilmFrame, FilmPlan, FilmRecord, FilmState
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
-from toile.engine.step.request import StageClock, StepOutcome, StepRequest
+from toile.engine.step.options import StageClock, StepOutcome
 from toile.geometry.arrays import Float, Int
 
 GROWTH = 1.2
@@ -80,7 +81,7 @@ class Simulation(ClothRun):
         stepper = self.stepper
         return FilmState(
             cloth=self.cloth, memory=stepper.memory,
-            anchors=None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy(),
+            anchors=self._anchors(),
             avatar=None if self.surface is None else self.surface.vertices,
             poses={} if self.path is None else dict(self.path.poses),
             meshed_at=self._meshed_at, longest_step=self._h, record=deepcopy(self.record),
@@ -98,10 +99,15 @@ class Simulation(ClothRun):
     def _begin_afresh(self) -> None:
         """Forget what was carried over from earlier frames, so that a film taken up here runs the same."""
         stepper = self.stepper
-        anchors = None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy()
+        anchors = self._anchors()
         if self.surface is not None:
             self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
         self.restart(self.cloth, anchors, stepper.memory)
+
+    def _anchors(self) -> Float | None:
+        """Friction anchors of the nodes [m], shape (n, 3); None without contact."""
+        collisions = self.stepper.collisions
+        return None if collisions is None else collisions.anchor[: len(self.stepper.x)].copy()
 
     def _frame_time(self) -> float:
         """Time of the last frame [s]."""
@@ -219,9 +225,9 @@ class Simulation(ClothRun):
         target, pins = None if self.path is None else self.path.at(now), self._pins(now)
         lag, place = self._behind(target, pins)
         if lag > ARRIVED:
-            velocities = stepper.v
+            velocities, memory = stepper.v, stepper.memory
             for _ in range(CATCHING_UP):
-                stepper.v = np.zeros_like(stepper.x)
+                stepper.put(stepper.x, np.zeros_like(stepper.x), memory)
                 stepper.step(
                     StepRequest(
                         h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
@@ -232,7 +238,7 @@ class Simulation(ClothRun):
                 lag, place = self._behind(target, pins)
                 if lag <= ARRIVED or lag > 0.9 * before:
                     break
-            stepper.v = velocities
+            stepper.put(stepper.x, velocities, memory)
         if lag > plan.lag_max:
             self.record.failure = (
                 f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "

@@ -1,11 +1,11 @@
 """How a film gets over a time step: in one stage of the stepper or several."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
-from toile.engine.step.request import StepOutcome, StepRequest
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.options import StepOutcome
 from toile.engine.step.stages import GAMMA, tr_bdf2_stage, trapezoidal_stage
 from toile.engine.step.step import ClothStepper
 
@@ -23,10 +23,11 @@ def backward_euler(stepper: ClothStepper, h: float, ask: Ask) -> StepOutcome:
 def tr_bdf2(stepper: ClothStepper, h: float, ask: Ask) -> StepOutcome:
     """Make one step of h [s] in two stages: of second order where cloth is free, first in contact."""
     x, v = stepper.x.copy(), stepper.v.copy()
-    stage = trapezoidal_stage(x, v, stepper.memory.acceleration, h)
-    first = stepper.step(replace(ask(GAMMA * h, GAMMA), stage=stage))
-    stage = tr_bdf2_stage(x, v, stepper.x.copy(), stepper.v.copy(), h)
-    last = stepper.step(replace(ask((1.0 - GAMMA) * h, 1.0), stage=stage))
+    first_request = ask(GAMMA * h, GAMMA)
+    past = stepper.past(first_request.seconds - GAMMA * h)
+    first = stepper.step(first_request, trapezoidal_stage(x, v, past.acceleration, h))
+    second_stage = tr_bdf2_stage(x, v, stepper.x.copy(), stepper.v.copy(), h)
+    last = stepper.step(ask((1.0 - GAMMA) * h, 1.0), second_stage)
     return StepOutcome(
         moved=np.linalg.norm(stepper.x - x, axis=1),
         converged=first.converged and last.converged,
