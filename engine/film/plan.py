@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 from toile.collide.audit import Crossings
 from toile.engine.adapt.remeshing_record import Remeshing
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.film.time_steps import FilmIntegrator, backward_euler
+from toile.engine.film.advance import StepCounts
+from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.step.memory import Memory
 from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
@@ -34,7 +36,7 @@ class FilmPlan:
     step
         Implicit step options.
     integrator
-        How a time step is made: `backward_euler` or `tr_bdf2` of engine.film_integrators.
+        How a time step is made: one of engine.film.integrators, such as `backward_euler` or `tr_bdf2`.
     frame_seconds
         Time between two audited output frames [s].
     longest_step, shortest_step
@@ -62,7 +64,7 @@ class FilmPlan:
     """
 
     step: StepOptions
-    integrator: FilmIntegrator = backward_euler
+    integrator: Integrator = backward_euler
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0
     shortest_step: float = 1.0 / 1920.0
@@ -150,21 +152,14 @@ class FilmState:
 
 
 @dataclass
-class FilmRecord:
-    """What a film did.
+class FilmRecord(StepCounts):
+    """What a film did, beside its counts of steps.
 
-    `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
-    were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
-    faces, steps since the last frame, largest stretch, smallest gap [m], avatar's lag [m]; `remeshings` one
-    per remeshing. `failure` says why a film ended early, empty if it did not.
+    Lists have one entry per frame: crossing pairs (avatar, cloth), faces, steps since the last frame, largest
+    stretch, smallest gap [m], avatar's lag [m]; `remeshings` one per remeshing. `failure` says why a film
+    ended early, empty if it did not.
     """
 
-    steps: int = 0
-    retries: int = 0
-    forced: int = 0
-    newton_iterations: int = 0
-    cg_iterations: int = 0
-    simulated_seconds: float = 0.0
     cancelled: bool = False
     failure: str = ""
     crossings: list[tuple[int, int]] = field(default_factory=list)

@@ -1,7 +1,7 @@
 """Damping of elements: forces in proportion to the velocities of their nodes.
 
-Over a step of h the dissipation potential is h/2 v . D v with v = (x - origin)/h, D the blocks at the positions
-that the step starts from: quadratic in the positions, its gradient D v, its Hessian D/h.
+Over a step of h the dissipation potential is h/2 v . D v with v = (x - origin)/h and D the blocks at the
+positions that the step starts from: quadratic in the positions, its gradient D v, its Hessian D/h.
 """
 
 from abc import ABC, abstractmethod

@@ -9,9 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.dynamics import Dynamics, Elements
+from toile.engine.forces.force import Force
 from toile.engine.forces.spring import SpringDamping, Springs
-from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.forces.wind import Wind
+from toile.engine.step.nodes import Nodes
+from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
 
@@ -116,22 +119,21 @@ def mesh_springs(points: Float, faces: Int, fabric: Fabric) -> SpringNet:
     return _net(pairs[kept], stiffness[kept], mass, faces, points)
 
 
-def spring_dynamics(
-    net: SpringNet,
-    pinned: Bool,
-    *,
-    gravity: float = 9.81,
-    air: AirFlow | None = None,
-    damping: float = 0.0,
-) -> Dynamics:
-    """Return the cloth of a net for integrators; pinned: shape (n,).
+def spring_stepper(
+    net: SpringNet, positions: Float, pinned: Bool, options: StepOptions, damping: float = 0.0
+) -> ClothStepper:
+    """Return the stepper of a net at positions [m], shape (n, 3), at rest; pinned: shape (n,).
 
     `damping` is the time [s] by which damping exceeds the stiffness of every spring, number for number.
     """
     springs = Springs(net.pairs, net.lengths, net.stiffness)
-    damper = SpringDamping(springs, damping) if damping > 0.0 else None
-    wind = None if air is None else Wind(net.faces, len(net.mass), air)
-    return Dynamics(net.mass, pinned, [Elements(net.pairs, springs, damper)], gravity=gravity, wind=wind)
+    forces: list[Force] = [springs]
+    if damping > 0.0:
+        forces.append(SpringDamping(springs, damping))
+    if options.air is not None:
+        forces.append(Wind(net.faces, len(net.mass), options.air))
+    nodes = Nodes(positions, np.zeros_like(positions), net.mass, pinned)
+    return ClothStepper(nodes, forces, None, options, StageClock())
 
 
 def _net(pairs: Int, stiffness: Float, mass: Float, faces: Int, points: Float) -> SpringNet:
