@@ -11,6 +11,9 @@ from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.options import StepOutcome
 from toile.engine.step.step import ClothStepper
 
+ROUNDING = 1e-9
+"""Share of the time to go that is rounding."""
+
 
 @dataclass
 class StepCounts:
@@ -57,7 +60,7 @@ def advance(
     """Take a stepper on, `span` being when it starts and for how long [s]; yield outcomes of steps kept."""
     since, seconds = span
     left = seconds
-    while left > 1e-9 * seconds:
+    while left > ROUNDING * seconds:
         speed = max(float(np.linalg.norm(stepper.v, axis=1).max()), way.driven_speed)
         h = sizes.next(left, speed)
         before, saved = way.stretch(), stepper.save()

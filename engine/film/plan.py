@@ -6,7 +6,7 @@ from toile.collide.audit import Crossings
 from toile.engine.adapt.remeshing_record import Remeshing
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.film.advance import StepCounts
-from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.baraff_witkin import baraff_witkin
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.step.memory import Memory
 from toile.engine.step.options import StepOptions
@@ -36,7 +36,7 @@ class FilmPlan:
     step
         Implicit step options.
     integrator
-        How a time step is made: one of engine.film.integrators, such as `backward_euler` or `tr_bdf2`.
+        How a time step is made: one of engine.film.integrators, such as `baraff_witkin` or `tr_bdf2`.
     frame_seconds
         Time between two audited output frames [s].
     longest_step, shortest_step
@@ -64,7 +64,7 @@ class FilmPlan:
     """
 
     step: StepOptions
-    integrator: Integrator = backward_euler
+    integrator: Integrator = baraff_witkin
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0
     shortest_step: float = 1.0 / 1920.0

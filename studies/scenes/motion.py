@@ -31,7 +31,7 @@ class Solving:
     Attributes
     ----------
     tolerance
-        Largest displacement of the last Newton iteration over the length of the stage [m/s].
+        Largest displacement of the last Newton iteration over half the length of the stage [m/s].
     iterations
         Limit of the iterations; 1 is the linearly implicit step.
     cg_tolerance
@@ -45,7 +45,7 @@ class Solving:
     def request(self, length: float, until: float) -> StepRequest:
         """Return the request of a stage of a length [s] that ends at a time [s]."""
         return StepRequest(
-            h=length, at_rest=False, newton=self.iterations, newton_tolerance=self.tolerance * length,
+            h=length, at_rest=False, newton=self.iterations, newton_tolerance=0.5 * self.tolerance * length,
             cg_tolerance=self.cg_tolerance, cg_iterations=1000, motion_max=inf, seconds=until,
         )  # fmt: skip
 

@@ -11,6 +11,7 @@ from toile.dressing.garment.fabrics import fabric
 from toile.dressing.run.kernels import DRAPE_KERNELS, INTEGRATOR_KERNELS, load_kernels
 from toile.engine.film.advance import StepCounts
 from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.baraff_witkin import baraff_witkin
 from toile.engine.film.integrators.bdf2 import bdf2
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.film.integrators.symplectic_euler import symplectic_euler
@@ -33,7 +34,7 @@ from toile.studies.speed_error.timed import timed
 SOLVED = Solving(tolerance=0.1)
 """Of implicit steps of equal size: solved better, they end within 2 mm of the same place."""
 METHODS: dict[str, tuple[Integrator, Solving]] = {
-    "Baraff-Witkin": (backward_euler, LINEARISED),
+    "Baraff-Witkin": (baraff_witkin, LINEARISED),
     "backward Euler": (backward_euler, SOLVED),
     "BDF2": (bdf2, SOLVED),
     "TR-BDF2": (tr_bdf2, SOLVED),

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.baraff_witkin import baraff_witkin
 from toile.engine.film.integrators.bdf2 import bdf2
 from toile.engine.film.integrators.explicit_euler import explicit_euler
 from toile.engine.film.integrators.integrator import Integrator
@@ -34,7 +35,7 @@ class Method(NamedTuple):
 
 
 IMPLICIT = (
-    Method("Baraff-Witkin", backward_euler, replace(EXACT, iterations=1), 1.0),
+    Method("Baraff-Witkin", baraff_witkin, replace(EXACT, iterations=1), 1.0),
     Method("backward Euler", backward_euler, EXACT, 1.0),
     Method("BDF2", bdf2, EXACT, 2.0),
     Method("TR-BDF2", tr_bdf2, EXACT, 2.0),
