@@ -249,7 +249,7 @@ def main() -> None:
         "--out", type=Path, metavar="FOLDER", help="write integrators.json and integrators.md"
     )
     parser.add_argument(
-        "--picture", type=Path, metavar="FILE", help="draw error against CPU time (matplotlib)"
+        "--picture", type=Path, metavar="FILE", help="draw error against CPU time (pip install matplotlib)"
     )
     options = parser.parse_args()
     repeats = 1 if options.quick else 3

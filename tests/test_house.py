@@ -169,13 +169,15 @@ def test_compile_options_live_in_one_file() -> None:
     assert "fastmath" not in KERNEL_MODULE.read_text()
 
 
-def test_imports_are_declared() -> None:
-    """Everything imported at run time is a declared dependency; test tools and plotters are not."""
+def test_imports_are_declared_and_dependencies_imported() -> None:
+    """Everything imported at run time is a declared dependency, and those without an extra are imported."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     optional = project["optional-dependencies"]
     extras = [entry for name in optional if name != "dev" for entry in optional[name]]
     declared = {re.split(r"[^A-Za-z0-9-]", entry)[0] for entry in (*project["dependencies"], *extras)}
-    modules = {{"python-fcl": "fcl", "usd-core": "pxr"}.get(name, name) for name in declared}
+    known = {"python-fcl": "fcl", "usd-core": "pxr"}
+    modules = {known.get(name, name) for name in declared}
+    imported = set()
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text())):
             names = []
@@ -186,8 +188,12 @@ def test_imports_are_declared() -> None:
                 names = [node.module or ""]
             for name in names:
                 top = name.partition(".")[0]
+                imported.add(top)
                 allowed = top in {"toile", "bpy", "bpy_extras", *modules} or top in sys.stdlib_module_names
                 assert allowed, f"{path} imports {top}"
+    for entry in project["dependencies"]:
+        name = re.split(r"[^A-Za-z0-9-]", entry)[0]
+        assert known.get(name, name) in imported, f"nothing imports {name}"
 
 
 @pytest.mark.parametrize(

@@ -192,6 +192,8 @@ class DrapedGarment:
         Of nodes [m/s], shape (n, 3); None is at rest.
     origin
         Which corners and faces of the garment's file all this comes from, or None.
+    strain
+        Along warp and weft of every face, shape (t, 2), or None.
     """
 
     positions: Float
@@ -201,6 +203,7 @@ class DrapedGarment:
     panel: Int
     velocities: Float | None = None
     origin: "Origin | None" = None
+    strain: Float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""The linearly implicit step of Baraff and Witkin (1998), equation 6: backward Euler, linearised at its start.
+"""The linearly implicit step of Baraff and Witkin (1998), equation 6: backward Euler, linearised once.
 
 (M + h D + h^2 K) dv = h (f - h K v0), dx = h (v0 + dv), K being the positive semi-definite part of the
 stiffness. Of first order; it calms cloth down, cloth that turns above all. Asked for more Newton iterations
