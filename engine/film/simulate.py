@@ -7,7 +7,6 @@ from time import process_time
 
 import numpy as np
 
-from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.advance import Way, advance
@@ -50,6 +49,9 @@ class Simulation(ClothRun):
         self.motion = motion
         self.pin_motion = None if cloth.handles is None else pin_motion
         self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
+        if self.path is not None and self.surface is not None:
+            # From the first pose, wherever a film is resumed.
+            self.surface.build_tree()
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
         limits = StepLimits(
@@ -71,7 +73,8 @@ class Simulation(ClothRun):
             if self.record.cancelled or self._jumps():
                 break
             if self.motion is not None:
-                self._begin_afresh()
+                # A film that is resumed after this frame runs the same.
+                self.stepper.begin_afresh()
             self._remesh()
             self._advance()
             self._catch_up()
@@ -100,14 +103,6 @@ class Simulation(ClothRun):
         self.restart(state.cloth, state.anchors, state.memory)
         self._meshed_at, self._sizes.h = state.meshed_at, state.longest_step
         self.record = deepcopy(state.record)
-
-    def _begin_afresh(self) -> None:
-        """Forget what was carried over from earlier frames, so that a film taken up here runs the same."""
-        stepper = self.stepper
-        anchors = self._anchors()
-        if self.surface is not None:
-            self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
-        self.restart(self.cloth, anchors, stepper.memory)
 
     def _anchors(self) -> Float | None:
         """Friction anchors of the nodes [m], shape (n, 3); None without contact."""

@@ -189,6 +189,15 @@ class Collisions(NodalForce):
         self.anchor[self._count :] = vertices
         self.search.expire()
 
+    def begin_afresh(self) -> None:
+        """Forget what searches have found and how far nodes have moved; anchors stay."""
+        self.search.begin_afresh()
+        self._motion = np.zeros(self._count)
+        if self.avatar is not None:
+            self._area[self._count :] = self.avatar.vertex_area
+            self.avatar.move_to(self.avatar.vertices)
+            self.avatar.stay()
+
     # What may pass, and what friction holds on to.
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> Untangling | None:

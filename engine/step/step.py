@@ -291,6 +291,11 @@ class ClothStepper:
         """Put nodes somewhere [m] with velocities [m/s], shapes (n, 3), whatever is in between."""
         self.x[:], self.v, self.memory = positions, velocities.copy(), memory
 
+    def begin_afresh(self) -> None:
+        """Forget what was carried over but the state: steps from here on depend on nothing else."""
+        if self.collisions is not None:
+            self.collisions.begin_afresh()
+
     def save(self) -> Saved:
         """Return what a step changes, so that it can be tried again."""
         collisions = self.collisions
