@@ -36,9 +36,9 @@ from toile.engine.integrators.bdf2 import Bdf2
 from toile.engine.integrators.explicit_euler import ExplicitEuler
 from toile.engine.integrators.motion import Integrator, Motion
 from toile.engine.integrators.symplectic_euler import SymplecticEuler
-from toile.engine.spring_cloth import grid_springs, spring_dynamics
 from toile.engine.step.stages import backward_euler_stage
 from toile.engine.triangle_dynamics import triangle_dynamics
+from toile.studies.scenes.spring_cloth import grid_springs, spring_dynamics
 from toile.studies.scenes.swing import SECONDS, rms_distance, swing
 from toile.studies.speed_error.swing import INTEGRATORS, SOLVED, within
 from toile.studies.validation.oscillators import EXACT, loss_per_second, measured_order
@@ -249,7 +249,7 @@ def main() -> None:
         "--out", type=Path, metavar="FOLDER", help="write integrators.json and integrators.md"
     )
     parser.add_argument(
-        "--picture", type=Path, metavar="FILE", help="draw error against CPU time (matplotlib)"
+        "--picture", type=Path, metavar="FILE", help="draw error against CPU time (pip install matplotlib)"
     )
     options = parser.parse_args()
     repeats = 1 if options.quick else 3

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import fcl
 import numpy as np
 
+from toile.collide.cells import Cells
 from toile.geometry.arrays import Float, Int
 
 MAX_CONTACTS = 60_000
 SHRINK = 1e-5
 ASIDE = 1e-11 * np.array([0.61, 0.53, 0.59])
 """Shift of a surface that is tested against itself [m], so that no triangle meets itself."""
-AROUND = 0.05
-"""How far around the cloth an avatar is made ready [m]."""
 
 
 @dataclass(frozen=True)
@@ -96,9 +95,9 @@ class Auditor:
         self._body: tuple[Float, Int] | None = None
         if avatar_vertices is not None and avatar_faces is not None:
             self._body = avatar_vertices, avatar_faces
-        self._near = np.empty(0, np.int64)
+        self._near: Int = np.empty(0, np.int32)
         self._model: fcl.CollisionObject | None = None
-        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+        self._cells: Cells | None = None
 
     def audit(self, positions: Float, faces: Int, weld: Int) -> Crossings:
         """Crossings of the cloth surface.
@@ -113,26 +112,23 @@ class Auditor:
         cloth = shrunk_surface(positions, faces)
         against = np.empty((0, 2), np.int32)
         if self._body is not None and len(positions):
-            self._look_around(positions, *self._body)
+            self._look_around(positions, faces, *self._body)
         if self._model is not None:
             against = crossing_faces(fcl.CollisionObject(cloth, fcl.Transform()), self._model)
             against[:, 1] = self._near[against[:, 1]]
         return Crossings(against, _crossings_of(cloth, faces, weld))
 
-    def _look_around(self, positions: Float, vertices: Float, faces: Int) -> None:
-        """Make the avatar ready around cloth at these positions [m], shape (n, 3).
+    def _look_around(self, positions: Float, cloth: Int, vertices: Float, faces: Int) -> None:
+        """Make the avatar ready around cloth at these positions [m], shape (n, 3), of faces (t, 3).
 
-        Heads, hands and feet have most of its faces. One whose box lies beyond that of all cloth crosses
-        none of it.
+        Heads, hands and feet have most of its faces. One that lies in no cell of a grid that cloth comes near
+        crosses none of it.
         """
-        low, high = positions.min(axis=0), positions.max(axis=0)
-        if (low >= self._low).all() and (high <= self._high).all():
+        near = Cells.around(positions, cloth)
+        if self._cells is not None and self._cells.include(near):
             return
-        self._low, self._high = low - AROUND, high + AROUND
-        corners = [vertices[faces[:, k]] for k in range(3)]
-        starts = np.minimum(np.minimum(corners[0], corners[1]), corners[2])
-        ends = np.maximum(np.maximum(corners[0], corners[1]), corners[2])
-        self._near = np.flatnonzero(((starts <= self._high) & (ends >= self._low)).all(axis=1))
+        self._cells = near.grown()
+        self._near = self._cells.faces_within(vertices, faces)
         used, local = np.unique(faces[self._near], return_inverse=True)
         self._model = None
         if len(used):

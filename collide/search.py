@@ -7,6 +7,7 @@ from toile.collide import bvh
 from toile.collide.candidates import find_candidates
 from toile.collide.cover import Cover
 from toile.collide.merged_pairs import with_marked, with_pairs_of
+from toile.collide.segment_hits import face_boxes
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
@@ -53,6 +54,10 @@ class AvatarSurface:
         self._tree: bvh.Bvh | None = None
         self._reach = np.full(len(vertices), -1.0)
 
+    def expect(self, motion: Float, drift: Float | None = None) -> None:
+        """Say how far vertices may move before the next search [m], (v,), and where they drift, (v, 3)."""
+        self.motion, self.drift = motion, drift
+
     def stay(self) -> None:
         """Expect no motion in the next search."""
         self.motion = np.zeros(len(self.vertices))
@@ -61,6 +66,13 @@ class AvatarSurface:
     def move_to(self, vertices: Float) -> None:
         """Put the vertices elsewhere; the next search refits the hierarchy."""
         self.vertices = vertices
+        self._reach[:] = -1.0
+
+    def build_tree(self) -> None:
+        """Build the hierarchy for the vertices as they are: later ones are refitted, whenever they are."""
+        self.boxes[:, :6] = face_boxes(self.vertices, self.faces)
+        self.boxes[:, 6:] = self.boxes[:, :6]
+        self._tree = bvh.build(self.boxes)
         self._reach[:] = -1.0
 
     def tree(self, reach: Float, ends: Float | None = None) -> bvh.Bvh:
@@ -173,6 +185,12 @@ class ContactSearch:
         """Make all allowances void: what may touch what has changed."""
         self._among_cloth.origin[:] = np.nan
         self._with_body.origin[:] = np.nan
+
+    def begin_afresh(self) -> None:
+        """Forget candidates and the hierarchy of the cloth: the next search does not depend on the past."""
+        self.body = self.cloth = (NO_PAIRS, NO_PAIRS)
+        self._tree = None
+        self.expire()
 
     def expire_body(self) -> None:
         """Make allowances against the avatar void: it has moved."""

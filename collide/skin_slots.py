@@ -2,13 +2,13 @@
 
 Cloth between two skins that touch or overlap has no feasible place. Baraff, Witkin and Kass (2003) stick it
 to both ("flypapering"); here the flesh gives way instead: both skins retreat until a slot is left. Which skin
-meets which is read off segments through every vertex along its normal, by FCL.
+meets which is read off segments through every vertex near cloth, along its normal.
 """
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from toile.collide.segments import SegmentTest
+from toile.collide.segment_hits import SegmentHits
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import vertex_normals
 from toile.geometry.topology import triangle_topology
@@ -32,6 +32,7 @@ class SkinSlots:
 
     def __init__(self, vertices: Float, faces: Int) -> None:
         self.faces = faces
+        self._body = SegmentHits(vertices, faces)
         self._count = count = len(vertices)
         edges = triangle_topology(faces).edges
         ones = np.ones(len(edges))
@@ -60,26 +61,23 @@ class SkinSlots:
         if not len(chosen):
             return np.zeros_like(vertices)
         normals = vertex_normals(vertices, self.faces)
-        body = SegmentTest((vertices, self.faces))
-        corners = vertices[self.faces]
-        face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        face_normals /= np.maximum(np.linalg.norm(face_normals, axis=1), 1e-300)[:, None]
-
+        body = self._body
+        body.pose(vertices)
         start, direction = vertices[chosen], normals[chosen]
         row, face = body.hits(start - DEEPEST * direction, start + SLOT * direction).T
-        facing = np.einsum("ki,ki->k", direction[row], face_normals[face])
+        face_normals = self._face_normals(vertices, face)
+        facing = np.einsum("ki,ki->k", direction[row], face_normals)
         other = facing < FACING
-        row, face, facing = row[other], face[other], facing[other]
-        other = ~self._same_skin(chosen[row], face)
-        row, face, facing = row[other], face[other], facing[other]
-        height = np.einsum("ki,ki->k", corners[face, 0] - start[row], face_normals[face])
+        other[other] = ~self._same_skin(chosen[row[other]], face[other])
+        row, face, facing, face_normals = row[other], face[other], facing[other], face_normals[other]
+        height = np.einsum("ki,ki->k", vertices[self.faces[face, 0]] - start[row], face_normals)
         gap = height / facing
         # An opposite skin behind a vertex is the other side of its own limb unless it is inside another one.
         behind = np.unique(row[gap < 0.0])
         inside = np.zeros(len(chosen), bool)
         if len(behind):
             outside = start[behind] + OUTWARD * direction[behind]
-            inside[behind] = _winding(body, face_normals, outside, direction[behind]) > 0
+            inside[behind] = self._winding(vertices, outside, direction[behind]) > 0
         met = (gap >= 0.0) | inside[row]
         wanted = np.zeros(len(vertices))
         np.maximum.at(wanted, chosen[row[met]], 0.5 * (SLOT - gap[met]))
@@ -100,9 +98,14 @@ class SkinSlots:
             same |= self._same[place] == pair
         return same
 
+    def _face_normals(self, vertices: Float, face: Int) -> Float:
+        """Return unit normals of some faces, shape (k,), in a pose [m], shape (k, 3)."""
+        a, b, c = (vertices[self.faces[face, corner]] for corner in range(3))
+        normals = np.cross(b - a, c - a)
+        return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None])
 
-def _winding(body: SegmentTest, face_normals: Float, points: Float, direction: Float) -> Int:
-    """How often the body surrounds points, shape (n, 3): skins left less skins entered on the way out."""
-    row, face = body.hits(points, points + FAR * direction).T
-    leaves = np.sign(np.einsum("ki,ki->k", direction[row], face_normals[face]))
-    return np.asarray(np.rint(np.bincount(row, weights=leaves, minlength=len(points))), np.int32)
+    def _winding(self, vertices: Float, points: Float, direction: Float) -> Int:
+        """How often the body surrounds points, shape (n, 3): skins left less skins entered on the way out."""
+        row, face = self._body.hits(points, points + FAR * direction).T
+        leaves = np.sign(np.einsum("ki,ki->k", direction[row], self._face_normals(vertices, face)))
+        return np.asarray(np.rint(np.bincount(row, weights=leaves, minlength=len(points))), np.int32)

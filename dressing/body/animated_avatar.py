@@ -119,7 +119,7 @@ def _read_folder(path: Path) -> tuple[npt.NDArray[np.float32], Int, None]:
     frames: list[npt.NDArray[np.float32]] = []
     faces: Int | None = None
     for file in files:
-        vertices, own = read_triangles(file)
+        vertices, own, _ = read_triangles(file)
         if faces is None:
             faces = own
         elif not np.array_equal(own, faces):

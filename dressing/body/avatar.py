@@ -1,6 +1,6 @@
 """The body that garments are put on: one watertight surface in metres, Y up."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,12 +10,14 @@ import trimesh
 
 from toile.dressing.body.avatar_repair import repaired_surface
 from toile.dressing.body.avatar_units import METRES_PER_UNIT, recognise_frame, upright
+from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
+from toile.dressing.files.meshio_file import read_mesh_file
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
-FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf")
+FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf", *MESHIO_FORMATS)
 """File extensions that can hold an avatar."""
 
 
@@ -57,12 +59,12 @@ class Avatar:
 
 
 def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = None) -> Avatar:
-    """Read a body from an OBJ, PLY, STL, GLB or GLTF file and repair it into one collision surface.
+    """Read a body from a file of one of FORMATS and repair it into one collision surface.
 
     Parameters
     ----------
     path
-        The file.
+        The file: OBJ, PLY, STL, GLB, GLTF, VTU, VTK, XDMF, Abaqus .inp or Gmsh .msh.
     units
         "m", "dm", "cm" or "mm"; None recognises the unit from the size of the body.
     up
@@ -83,9 +85,10 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
             f"{path}: unknown avatar format {extension or '(no extension)'!r}; "
             f"export the body as one of {', '.join(FORMATS)}"
         )
-    vertices, faces = read_triangles(path)
+    vertices, faces, notes = read_triangles(path)
     is_gltf = extension in (".glb", ".gltf")
-    return avatar_of(path.name, path.stem, vertices, faces, units=units, up=up, is_gltf=is_gltf)
+    avatar = avatar_of(path.name, path.stem, vertices, faces, units=units, up=up, is_gltf=is_gltf)
+    return replace(avatar, notes=(*notes, *avatar.notes))
 
 
 def checked_frame_words(file: str, units: str | None, up: str | None) -> None:
@@ -113,12 +116,31 @@ def avatar_of(
     )
 
 
-def read_triangles(path: Path) -> tuple[Float, Int]:
-    """Vertices (v, 3) in file units and faces (f, 3) of everything in the file; unused vertices dropped."""
+def read_triangles(path: Path) -> tuple[Float, Int, tuple[str, ...]]:
+    """Vertices (v, 3) in file units, without unused ones, and faces (f, 3) of everything in a file; notes."""
     if not path.is_file():
         raise InputError(f"{path}: avatar file not found; check the path")
     if not path.stat().st_size:
         raise InputError(f"{path}: the file is empty; export the body again")
+    notes: tuple[str, ...] = ()
+    if path.suffix.lower() in MESHIO_FORMATS:
+        surface, notes = read_mesh_file(path, "the body")
+        vertices, faces = surface.positions, surface.faces
+    else:
+        vertices, faces = _read_with_trimesh(path)
+    used, renumbered = np.unique(faces, return_inverse=True)
+    vertices = np.ascontiguousarray(vertices[used])
+    bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(bad_rows):
+        raise InputError(
+            f"{path}: {len(bad_rows)} vertices have NaN or infinite coordinates (first: vertex "
+            f"{used[bad_rows[0]]}); clean the mesh and export it again"
+        )
+    return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32), notes
+
+
+def _read_with_trimesh(path: Path) -> tuple[Float, Int]:
+    """Vertices (v, 3) in file units and faces (f, 3) of all meshes of a scene, placed as its nodes say."""
     # skip_materials: textures are of no use here, and a missing one must not stop a drape.
     options: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() == ".obj" else {}
     try:
@@ -152,12 +174,4 @@ def read_triangles(path: Path) -> tuple[Float, Int]:
 
     vertices, faces = np.concatenate(corners), np.concatenate(triangles)
     check_vertex_numbers(path, faces, len(vertices), "export the body again")
-    used, renumbered = np.unique(faces, return_inverse=True)
-    vertices = np.ascontiguousarray(vertices[used])
-    bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-    if len(bad_rows):
-        raise InputError(
-            f"{path}: {len(bad_rows)} vertices have NaN or infinite coordinates (first: vertex "
-            f"{used[bad_rows[0]]}); clean the mesh and export it again"
-        )
-    return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32)
+    return vertices, faces

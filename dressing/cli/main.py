@@ -109,8 +109,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "--avatar",
         type=Path,
         metavar="BODY",
-        help="OBJ, PLY, STL or GLB body, or one that moves: an .npz, an animated .glb or .gltf, or a folder "
-        "of a mesh per frame (default: built-in mannequin)",
+        help="body: .obj .ply .stl .glb .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, an "
+        "animated .glb or .gltf, or a folder of a mesh per frame (default: built-in mannequin)",
     )
     dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a BODY that moves")
     dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
@@ -120,7 +120,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         action="append",
         default=[],
         metavar="FILE|NAME",
-        help="GarmentCode .json, mesh (.obj .ply .glb) or built-in name; repeat from the body outwards",
+        help="GarmentCode .json, mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
+        "from the body outwards",
     )
     dress.add_argument("--fabric", metavar="NAME", help="fabric preset (see: toile fabrics)")
     dress.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
@@ -134,6 +135,14 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
         help="wind [m/s], Y up, on garments that follow a BODY that moves; 0 0 0 is still air",
     )  # fmt: skip
+    dress.add_argument(
+        "--format",
+        action="append",
+        metavar="WORD",
+        dest="formats",
+        help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
+        "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
+    )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
     dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")
@@ -209,7 +218,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames")
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
     if options.avatar is None and (options.units or options.up or options.fps):

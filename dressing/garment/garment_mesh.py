@@ -55,6 +55,8 @@ class GarmentMesh:
     motion
         Where the file's corners go [m]: pinned and drawn vertices follow it where the avatar moves. None:
         they stay.
+    notes
+        What was noticed in the file, one sentence each.
     """
 
     name: str
@@ -74,3 +76,4 @@ class GarmentMesh:
     pull: Float | None = None
     origin: "Origin | None" = None
     motion: VertexMotion | None = None
+    notes: tuple[str, ...] = ()

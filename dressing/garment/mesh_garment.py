@@ -12,6 +12,8 @@ from scipy.sparse import csr_array
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.avatar_units import METRES_PER_UNIT, upright
 from toile.dressing.files.corner_surface import Surface
+from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
+from toile.dressing.files.meshio_file import read_mesh_file
 from toile.dressing.files.read_obj import read_obj
 from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -21,7 +23,7 @@ from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.remesh.adapt.transfer import descent
 
-FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz")
+FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz", *MESHIO_FORMATS)
 """File extensions of mesh garments."""
 FITS = 1.6
 """Misfit up to which the avatar's own units and axes are not doubted: 0.1 to 2.5 times its size."""
@@ -38,13 +40,13 @@ def read_mesh_garment(
     avatar: Avatar | None = None,
     edge_length: float | None = None,
 ) -> GarmentMesh:
-    """Return the garment of an OBJ, PLY or GLB file, or of arrays in an .npz file.
+    """Return the garment of a mesh file of one of FORMATS, or of arrays in an .npz file.
 
     Parameters
     ----------
     path
-        The file. Groups (OBJ) and objects (GLB) become panels. For .npz see `read_npz_garment`: it says more
-        about a garment than meshes can, in metres and with Y up.
+        The file. Groups (OBJ), objects (GLB) and groups of cells (see `read_mesh_file`) become panels. For
+        .npz see `read_npz_garment`: it says more about a garment than meshes can, in metres and with Y up.
     name
         Name of the garment; None takes the file's.
     units, up
@@ -70,7 +72,11 @@ def read_mesh_garment(
         from toile.dressing.garment.npz_garment import read_npz_garment
 
         return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
-    surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
+    notes: tuple[str, ...] = ()
+    if path.suffix.lower() in MESHIO_FORMATS:
+        surface, notes = read_mesh_file(path, "the garment")
+    else:
+        surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
     if not len(surface.faces):
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
     bad = np.flatnonzero(~np.isfinite(surface.positions).all(axis=1))
@@ -78,7 +84,8 @@ def read_mesh_garment(
         raise InputError(f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh")
     metres = _in_metres(path, surface.positions, units, up, avatar)
     surface = checked_surface(path, replace(surface, positions=metres))
-    return garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
+    garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
+    return replace(garment, notes=notes)
 
 
 def garment_from_surface(surface: Surface, *, name: str, edge_length: float | None = None) -> GarmentMesh:

@@ -58,7 +58,8 @@ def dress(
     scene
         What to drape.
     output
-        Folder for dressed.glb, preview.png, report.json and a PLY and OBJ per garment; None writes nothing.
+        Folder for dressed.glb, preview.png, report.json and a PLY, an OBJ and the scene's `formats` per
+        garment; None writes nothing.
     progress
         Called after every frame; returning False cancels, and what is draped so far is the result.
     say
@@ -138,7 +139,7 @@ def _finished(
     elif record is not None:
         record(0, garments)
     if folder is not None:
-        save_shapes(folder, avatar, garments)
+        save_shapes(folder, avatar, garments, scene.formats)
         save_report(folder, report)
     if checkpoint is not None and status != "cancelled":
         checkpoint.end()
@@ -363,6 +364,7 @@ def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> Dresse
         panel_names=mesh.panel_names,
         velocities=draped.velocities,
         origin=draped.origin,
+        strain=draped.strain,
     )
 
 

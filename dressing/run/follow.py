@@ -17,6 +17,7 @@ from toile.dressing.wear.drape_types import DrapeOutcome, Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.put_on import taken_apart
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
     PUSHED_NEWTON,
     PUSHED_RISE,
@@ -26,9 +27,8 @@ from toile.engine.film.plan import (
     FilmState,
 )
 from toile.engine.film.simulate import Simulation
-from toile.engine.film.time_steps import tr_bdf2
 from toile.engine.forces.wind import AirFlow
-from toile.engine.step.request import StageClock
+from toile.engine.step.options import StageClock
 from toile.remesh.sizing.sizing import SizingOptions
 
 FRAMES = "frames"

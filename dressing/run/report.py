@@ -9,8 +9,6 @@ from typing import Any
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, Status
 
 STAGES = ("assembly", "solve", "contact", "remesh", "io", "compile")
-VOLATILE_KEYS = ("wall_seconds", "cpu_seconds", "stage_seconds", "versions")
-"""Keys that may differ between two runs of the same scene; all others are reproducible."""
 
 
 def drape_report(

@@ -1,7 +1,7 @@
 """What a drape gives back, and how it becomes files."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ import numpy as np
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.files.writers.field_mesh import FieldMesh, checked_formats, write_field_mesh
 from toile.dressing.files.writers.glb import GlbMesh, glb_bytes
 from toile.dressing.files.writers.obj import obj_bytes
 from toile.dressing.files.writers.ply import ply_bytes
@@ -51,6 +52,8 @@ class DressedGarment:
         Of nodes [m/s], shape (n, 3); None is at rest.
     origin
         Which corners and faces of the garment's file all this comes from, or None.
+    strain
+        Along warp and weft of every face, shape (t, 2), or None.
     """
 
     name: str
@@ -63,12 +66,14 @@ class DressedGarment:
     panel_names: tuple[str, ...]
     velocities: Float | None = None
     origin: "Origin | None" = None
+    strain: Float | None = None
 
     def now(self, part: DrapedGarment) -> "DressedGarment":
         """Return the garment in another shape."""
         return replace(
             self, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
             panel=part.panel, velocities=part.velocities, origin=part.origin,
+            strain=part.strain,
         )  # fmt: skip
 
 
@@ -85,18 +90,21 @@ class Result:
     garments: tuple[DressedGarment, ...]
     failure: Failure | None = None
 
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write all output files into a folder and return their paths."""
+    def save(self, folder: str | Path, formats: Sequence[str] = ()) -> list[Path]:
+        """Write all output files into a folder, garments in a scene's `formats` too; return their paths."""
         folder = writable_folder(folder)
-        return [*save_shapes(folder, self.avatar, self.garments), save_report(folder, self.report)]
+        shapes = save_shapes(folder, self.avatar, self.garments, checked_formats(formats))
+        return [*shapes, save_report(folder, self.report)]
 
 
 Record = Callable[[int, tuple[DressedGarment, ...]], None]
 """Called with the number of a frame and the garments in it."""
 
 
-def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ...]) -> list[Path]:
-    """Write dressed.glb, preview.png and a PLY and OBJ per garment; return their paths."""
+def save_shapes(
+    folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ...], formats: Sequence[str] = ()
+) -> list[Path]:
+    """Write dressed.glb, preview.png and a PLY, an OBJ and more formats per garment; return their paths."""
     written = [write_atomic(folder / "dressed.glb", dressed_glb(avatar, garments))]
     for garment in garments:
         positions = avatar.to_source(garment.positions)
@@ -114,6 +122,12 @@ def save_shapes(folder: Path, avatar: Avatar, garments: tuple[DressedGarment, ..
             panel_names=garment.panel_names,
         )
         written.append(write_atomic(folder / f"{stem}.obj", content))
+        fields = FieldMesh(
+            positions=positions, faces=garment.faces, uv=garment.uv if has_uv else None,
+            uv_faces=garment.uv_faces, panel=garment.panel, panel_names=garment.panel_names,
+            strain=garment.strain,
+        )  # fmt: skip
+        written += [write_field_mesh(folder / f"{stem}.{kind}", fields) for kind in formats]
     written.append(write_atomic(folder / "preview.png", dressed_png(avatar, garments)))
     return written
 

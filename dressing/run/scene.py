@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
@@ -54,8 +55,8 @@ class Garment:
     ----------
     source
         Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
-        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, or .npz as `read_npz_garment` says), or a
-        finished GarmentMesh.
+        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or .npz as
+        `read_npz_garment` says), or a finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
     name
@@ -116,6 +117,9 @@ class Scene:
         have the geometric mean of theirs.
     air
         Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
+    formats
+        Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
+        strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
     """
 
     garments: Sequence[Garment]
@@ -130,6 +134,7 @@ class Scene:
     friction: float | None = None
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
+    formats: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -147,6 +152,8 @@ class Scene:
         if not self.garments:
             raise InputError("the scene has no garment: name a pattern, a mesh or a built-in such as tshirt")
         quality_preset(self.quality)
+        formats = [self.formats] if isinstance(self.formats, str) else self.formats
+        object.__setattr__(self, "formats", checked_formats(formats))
         _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
         _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")

@@ -53,6 +53,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: air that resists and blows as garments follow a body that moves"),
+        "formats": (list, "formats of garments beside PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body; without it the built-in mannequin"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
@@ -75,7 +76,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "lift": (NUMBER, "lift coefficient, 0 (dragged along) to drag (pressed along its normal), default 1"),
     },
     "avatar": {
-        "file": (str, "OBJ, PLY, STL or GLB file; one that moves: .npz, animated .glb or folder of meshes"),
+        "file": (
+            str,
+            "OBJ, PLY, STL, GLB, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb, folder",
+        ),
         "fps": (NUMBER, "frames per second of a body that moves; the file's own or 24 if missing"),
         "units": (str, "m, cm or mm; recognised from the size if missing"),
         "up": (str, "y or z; recognised if missing"),
@@ -85,7 +89,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "hip": (NUMBER, "its hip circumference [m]"),
     },
     "garment": {
-        "source": (str, "built-in name, GarmentCode .json, or .obj, .ply, .glb, .npz mesh"),
+        "source": (
+            str,
+            "built-in name, GarmentCode .json, or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
+        ),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
@@ -158,7 +165,7 @@ class _SceneReader:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
         plain = {
             key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "friction")
+            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats")
             if key in data
         }
         pairs = self._friction_between(data.get("friction_between", []))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     # They import kernels, which are loaded when they are needed.
     from toile.engine.cloth.cloth import Cloth
     from toile.engine.cloth.origin import Origin
-    from toile.engine.step.request import StepOptions
+    from toile.engine.step.options import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
 
@@ -188,6 +188,8 @@ class DrapedGarment:
         Of nodes [m/s], shape (n, 3); None is at rest.
     origin
         Which corners and faces of the garment's file all this comes from, or None.
+    strain
+        Along warp and weft of every face, shape (t, 2), or None.
     """
 
     positions: Float
@@ -197,6 +199,7 @@ class DrapedGarment:
     panel: Int
     velocities: Float | None = None
     origin: "Origin | None" = None
+    strain: Float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

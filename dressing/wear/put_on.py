@@ -24,14 +24,15 @@ from toile.dressing.wear.drape_types import (
 from toile.dressing.wear.fault import faces_at_fault, place_of
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
+from toile.dressing.wear.strain import warp_weft_strain
 from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.cloth.contact_pairs import BODY
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.forces.contact import ContactLaw
-from toile.engine.step.request import StepOptions
+from toile.engine.forces.contact_pairs import BODY
+from toile.engine.step.options import StepOptions
 from toile.geometry.errors import InputError
 
 SHRINK = 0.04
@@ -124,7 +125,7 @@ def _put_on(
     avatar = form.avatar
     clothed = Worn(avatar.vertices, avatar.faces, worn)
     thin = shrunken(avatar.vertices, avatar.faces, SHRINK)
-    notes: list[str] = []
+    notes = [f"garment '{mesh.name}': {note}" for mesh, _ in garments for note in mesh.notes]
     shapes = [(avatar.vertices, GROWTH_PER_STEP)]
     body = None if isinstance(form.measured, InputError) else form.measured
     drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
@@ -199,7 +200,7 @@ def _outcome(
     record, cloth = run.record, run.cloth
     settled = record.settled_crossings or record.crossings[-1:]
     last = record.crossings[-1]
-    strain = 100.0 * run.warp_weft_strain()
+    strain, smallest_gap = 100.0 * run.warp_weft_strain(), run.smallest_gap()
     names = [name for mesh, _ in garments for name in mesh.seam_names]
     gaps = run.gaps()
     # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
@@ -249,7 +250,7 @@ def _outcome(
         avatar_intersections=last[0],
         self_intersections=last[1],
         worst_frame_intersections=max(a + b for a, b in settled),
-        min_gap_mm=None if run.smallest_gap() is None else 1e3 * float(run.smallest_gap() or 0.0),
+        min_gap_mm=None if smallest_gap is None else 1e3 * smallest_gap,
         warp_strain_max=float(strain[:, 0].max()),
         weft_strain_max=float(strain[:, 1].max()),
         strain_p99=float(np.quantile(strain, 0.99)),
@@ -271,7 +272,7 @@ def _outcome(
 
 def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
     """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
-    draped = []
+    draped, strain = [], warp_weft_strain(cloth)
     for index in range(count):
         own = cloth.garment == index
         vertices, local = np.unique(cloth.faces[own], return_inverse=True)
@@ -288,6 +289,7 @@ def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
                 origin=None
                 if cloth.origin is None
                 else cloth.origin.of_garment(index, vertices, np.flatnonzero(own).astype(np.int32)),
+                strain=strain[own],
             )
         )
     return draped

@@ -32,7 +32,7 @@ class PatchGate:
 
     def __init__(self, cloth: Cloth, stepper: ClothStepper) -> None:
         self._weld = cloth.weld
-        self._avatar = stepper.avatar
+        self._avatar = None if stepper.collisions is None else stepper.collisions.avatar
         fabrics = cloth.fabrics
         names = ("stretch_warp", "stretch_weft", "shear", "compression")
         self._stiffness = np.array([[getattr(f, name) for name in names] for f in fabrics])[cloth.fabric]

@@ -10,9 +10,12 @@ from toile.engine.adapt.patch_gate import PatchGate
 from toile.engine.adapt.remeshing_record import NOISE, Remeshing
 from toile.engine.adapt.sizing_field import face_metrics
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.goal import GoalPull
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.forces.wind import Wind
 from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
-from toile.engine.step.request import StageClock, StepRequest
+from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.adapt.adapt import adapt
@@ -48,9 +51,9 @@ class Remeshed:
     cloth
         The cloth, new nodes half-way on its surface.
     anchors
-        Friction anchors of its nodes [m], shape (n, 3).
+        Friction anchors of its nodes [m], shape (n, 3); None without contact.
     memory
-        What its steps remember.
+        What its steps remember, or None.
     changed
         Nodes of the faces that are new or have changed, shape (n,).
     splits, flips, collapses
@@ -58,8 +61,8 @@ class Remeshed:
     """
 
     cloth: Cloth
-    anchors: Float
-    memory: Memory
+    anchors: Float | None
+    memory: Memory | None
     changed: Bool
     splits: int
     flips: int
@@ -85,16 +88,27 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
     transfer = result.transfer
     return Remeshed(
         cloth=carried,
-        anchors=carried.positions - transfer.at_nodes(stepper.x - stepper.anchor[: len(stepper.x)]),
-        memory=Memory(
-            transfer.at_nodes(stepper.memory.acceleration),
-            np.asarray(transfer.nodes @ stepper.memory.touched.astype(np.float64)) > 0.0,
-        ),
+        anchors=_anchors(stepper, carried, transfer),
+        memory=None if stepper.memory is None else _memory(stepper.memory, transfer),
         changed=_changed_nodes(mesh, carried, transfer),
         splits=result.splits,
         flips=result.flips,
         collapses=result.collapses,
     )
+
+
+def _anchors(stepper: ClothStepper, carried: Cloth, transfer: TransferMap) -> Float | None:
+    """Return friction anchors of a carried cloth [m], shape (n, 3): as far from its nodes as they were."""
+    if stepper.collisions is None:
+        return None
+    slipped = stepper.x - stepper.collisions.anchor[: len(stepper.x)]
+    return np.asarray(carried.positions - transfer.at_nodes(slipped))
+
+
+def _memory(memory: Memory, transfer: TransferMap) -> Memory:
+    """Return what steps remember on another mesh; the state before the last step is forgotten."""
+    touched = np.asarray(transfer.nodes @ memory.touched.astype(np.float64)) > 0.0
+    return Memory(transfer.at_nodes(memory.acceleration), touched)
 
 
 def remesh_run(
@@ -130,7 +144,7 @@ def remesh_run(
         after = replace(found.cloth, positions=stepper.x, velocities=velocities)
         velocities = with_momentum_of(_motion(old), _motion(after))
         velocities[found.cloth.pinned] = found.cloth.velocities[found.cloth.pinned]
-    stepper.v = velocities
+    stepper.put(stepper.x, velocities, stepper.memory)
     run.clock = stepper.clock = clock
     return Remeshing(
         step=step, faces=len(found.cloth.faces), splits=found.splits, flips=found.flips,
@@ -143,27 +157,14 @@ def _relax(stepper: ClothStepper, free: Bool, request: StepRequest, energy: floa
 
     With an `energy` [J] they stop on the way where the elastic energy is that, and no goals draw them.
     """
-    pinned, wind, goals, still = stepper.pinned, stepper.wind, stepper.goals, ~free
-    stepper.pinned = still if pinned is None else pinned | still
-    stepper.wind = None
-    if energy is not None:
-        stepper.goals = None
-    anchors = None
-    if stepper.search is not None:
-        # Pairs in which nothing moves need no look; what they hold by friction they hold on.
-        anchors = stepper.anchor[: len(still)][still]
-        others = len(stepper.anchor) - len(still)
-        stepper.search.let_pass(np.pad(still, (0, others), constant_values=True))
-    for _ in range(RELAXATIONS if energy is None else MATCHINGS):
-        start = stepper.x.copy()
-        stepper.step(request)
-        if energy is not None and stepper.elastic_energy() < energy:
-            stepper.x[:] = _with_energy(stepper, start, energy)
-            break
-    if stepper.search is not None:
-        stepper.anchor[: len(still)][still] = anchors
-        stepper.search.let_pass(np.zeros(len(stepper.anchor), bool))
-    stepper.pinned, stepper.wind, stepper.goals = pinned, wind, goals
+    without = (Wind,) if energy is None else (Wind, GoalPull)
+    with stepper.others_still(free, without):
+        for _ in range(RELAXATIONS if energy is None else MATCHINGS):
+            start = stepper.x.copy()
+            stepper.step(request)
+            if energy is not None and stepper.elastic_energy() < energy:
+                _go_back_to_energy(stepper, start, energy)
+                break
 
 
 def _around(faces: Int, marked: Bool) -> Bool:
@@ -173,18 +174,18 @@ def _around(faces: Int, marked: Bool) -> Bool:
     return wider
 
 
-def _with_energy(stepper: ClothStepper, start: Float, energy: float) -> Float:
-    """Return the positions between `start` and now [m] where the elastic energy falls to `energy` [J]."""
+def _go_back_to_energy(stepper: ClothStepper, start: Float, energy: float) -> None:
+    """Put nodes between `start` [m], shape (n, 3), and now: where the elastic energy is `energy` [J]."""
     end = stepper.x.copy()
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        stepper.x[:] = start + middle * (end - start)
+        stepper.put(start + middle * (end - start), stepper.v, stepper.memory)
         if stepper.elastic_energy() > energy:
             low = middle
         else:
             high = middle
-    return np.asarray(start + high * (end - start))
+    stepper.put(start + high * (end - start), stepper.v, stepper.memory)
 
 
 def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:

@@ -5,6 +5,10 @@ from functools import reduce
 import numpy as np
 
 from toile.collide.near_surface import heights_above
+from toile.collide.search import AvatarSurface
+from toile.engine.forces.bend import Bending
+from toile.engine.forces.membrane import Membrane
+from toile.engine.step.collisions import Collisions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
 from toile.remesh.mesh.cloth_mesh import ClothMesh
@@ -26,23 +30,22 @@ def face_metrics(mesh: ClothMesh, stepper: ClothStepper, options: SizingOptions)
     The smallest that dominates those of curvature, compression, motion where there is any, and of an avatar
     where it is near.
     """
-    x = stepper.x
-    deformation = stepper.membrane.gradient(x)
+    x, membrane, bending = stepper.x, stepper.force(Membrane), stepper.force(Bending)
+    assert membrane is not None
+    deformation = membrane.gradient(x)
     metrics = []
     curvature = np.zeros((len(mesh.faces), 2, 2))
-    if stepper.bending is not None:
-        bent = stepper.bending.curvature(x)
+    if bending is not None:
+        bent = bending.curvature(x)
         curvature[:, 0, 0], curvature[:, 1, 1] = bent[:, 0], bent[:, 1]
         curvature[:, 0, 1] = curvature[:, 1, 0] = bent[:, 2]
         curvature = smoothed_curvature(mesh, curvature, options)
         metrics.append(curvature_metric(curvature, options.refine_angle))
     metrics.append(compression_metric(deformation, curvature, options.refine_compression))
     if stepper.v.any():
-        metrics.append(
-            velocity_metric(deformation, stepper.membrane.gradient(stepper.v), options.refine_velocity)
-        )
-    if stepper.avatar is not None:
-        metrics.append(_near_avatar(stepper))
+        metrics.append(velocity_metric(deformation, membrane.gradient(stepper.v), options.refine_velocity))
+    if stepper.collisions is not None and stepper.collisions.avatar is not None:
+        metrics.append(_near_avatar(stepper.collisions, stepper.collisions.avatar, membrane, x))
     return clamped(reduce(smallest_dominating, metrics), options)
 
 
@@ -50,13 +53,13 @@ NEAR = 5.0
 """Cloth within this many contact radii of the avatar follows it closely."""
 
 
-def _near_avatar(stepper: ClothStepper) -> Float:
+def _near_avatar(collisions: Collisions, avatar: AvatarSurface, membrane: Membrane, x: Float) -> Float:
     """Metric of faces near the avatar, by how their height above it changes; zero elsewhere."""
-    assert stepper.avatar is not None
-    radius = float(stepper.radius_body.max())
-    height = heights_above(stepper.avatar, stepper.x, NEAR * radius)
-    near = np.asarray(np.isfinite(height)[stepper.faces].all(axis=1))
+    faces = membrane.faces
+    radius = float(collisions.radius_body.max())
+    height = heights_above(avatar, x, NEAR * radius)
+    near = np.asarray(np.isfinite(height)[faces].all(axis=1))
     height = np.maximum(np.where(np.isfinite(height), height, 0.0), radius)
-    slope = stepper.membrane.gradient(height[:, None])[:, 0]
-    metric = obstacle_metric(slope, height[stepper.faces].mean(axis=1))
+    slope = membrane.gradient(height[:, None])[:, 0]
+    metric = obstacle_metric(slope, height[faces].mean(axis=1))
     return np.where(near[:, None, None], metric, 0.0)

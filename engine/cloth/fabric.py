@@ -23,6 +23,8 @@ class Fabric:
         Shear stiffness [N/m].
     compression
         Share of the stretch stiffness that acts in compression, 0 to 1: threads and fine wrinkles buckle.
+    damping
+        Time by which the damping of stretch and shear exceeds their stiffness, number for number [s].
     friction_body, friction_self
         Coulomb coefficients against the avatar and against cloth.
     """
@@ -37,5 +39,6 @@ class Fabric:
     stretch_weft: float
     shear: float
     compression: float = 0.02
+    damping: float = 0.0
     friction_body: float = 0.35
     friction_self: float = 0.3

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from toile.engine.forces.hold import Holds
-from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.arrays import Float, Int
 from toile.remesh.adapt.transfer import TransferMap
 
 
@@ -44,17 +43,6 @@ class Goals:
             stiffness=np.concatenate([part.stiffness for part in whole]),
             places=np.concatenate([part.places for part in whole]),
         )
-
-    def springs(self, area: Float, pinned: Bool) -> Holds | None:
-        """Return them as holds of stiffness 1; None if none acts on a node that is free.
-
-        `area` is the rest area of every node [m^2] and `pinned` marks those that no force moves, shape (n,).
-        """
-        nodes = np.flatnonzero((self.stiffness > 0.0) & ~pinned).astype(np.int32)
-        if not len(nodes):
-            return None
-        stiffness = (area * self.stiffness)[nodes]
-        return Holds(nodes, self.places[nodes], np.repeat(stiffness[:, None], 3, axis=1))
 
     def carried(self, transfer: TransferMap) -> "Goals":
         """Return the goals of the same cloth on another mesh."""

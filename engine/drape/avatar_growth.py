@@ -22,17 +22,18 @@ def grow_avatar(stepper: ClothStepper, target: Float, longest: float, carry: boo
     The contact radius against the avatar is growth_radius while it grows and radius_body once it has arrived.
     Returns the largest distance left [m].
     """
-    avatar, search = stepper.avatar, stepper.search
-    if avatar is None or search is None:
+    collisions = stepper.collisions
+    if collisions is None or collisions.avatar is None:
         return 0.0
+    avatar, search = collisions.avatar, collisions.search
     wanted = target - avatar.vertices
     length = np.linalg.norm(wanted, axis=1)
     if length.max() == 0.0:
-        stepper.set_body_radius(stepper.options.radius_body)
+        collisions.set_body_radius(stepper.options.radius_body)
         return 0.0
-    stepper.set_body_radius(stepper.options.growth_radius)
+    collisions.set_body_radius(stepper.options.growth_radius)
     share = np.minimum(1.0, longest / np.maximum(length, 1e-300))
-    avatar.motion = length * share
+    avatar.expect(length * share)
     count = len(stepper.x)
     search.search_body(stepper.x, np.zeros(count))
     move = np.zeros_like(search.positions)
@@ -46,17 +47,8 @@ def grow_avatar(stepper: ClothStepper, target: Float, longest: float, carry: boo
         move[:count] = carried * np.minimum(1.0, FARTHEST_CARRIED / np.maximum(size, 1e-300))[:, None]
         search.search(stepper.x, np.minimum(size, FARTHEST_CARRIED))
         factor = safe_factors(search.positions, move, *search.pairs)
-        stepper.x += move[:count] * factor[:count, None]
+        stepper.put(stepper.x + move[:count] * factor[:count, None], stepper.v, stepper.memory)
     done = share * factor[count:]
     # Full moves land on the target itself, so that the avatar ends exactly in its true shape.
-    put_avatar(stepper, np.where(done[:, None] == 1.0, target, avatar.vertices + wanted * done[:, None]))
+    collisions.put_avatar(np.where(done[:, None] == 1.0, target, avatar.vertices + wanted * done[:, None]))
     return float(np.linalg.norm(target - avatar.vertices, axis=1).max())
-
-
-def put_avatar(stepper: ClothStepper, vertices: Float) -> None:
-    """Put the avatar's vertices somewhere [m], shape (v, 3), whatever cloth is there."""
-    assert stepper.avatar is not None and stepper.search is not None
-    stepper.avatar.move_to(np.ascontiguousarray(vertices))
-    stepper.avatar.stay()
-    stepper.anchor[len(stepper.x) :] = vertices
-    stepper.search.expire()

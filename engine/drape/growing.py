@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from toile.engine.drape.avatar_growth import grow_avatar, put_avatar
+from toile.engine.drape.avatar_growth import grow_avatar
 from toile.engine.drape.merging import merge_late
 from toile.engine.drape.passable import let_pass_crossings
 from toile.engine.drape.state import DrapeState
 from toile.engine.drape.tangles import disentangle
-from toile.engine.step.request import StepRequest
+from toile.engine.forces.step_request import StepRequest
 from toile.geometry.arrays import Float
 
 LEFT_BEHIND = 0.002
@@ -44,7 +44,8 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
         if share == 1.0:
             finishing += 1
         if finishing > plan.growth_patience and not drape.solid and _few_left(drape, target):
-            put_avatar(drape.stepper, target)
+            assert drape.stepper.collisions is not None
+            drape.stepper.collisions.put_avatar(target)
             drape.auditor = None
             let_pass_crossings(drape, drape.audit())
             break

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from toile.engine.cloth.cloth import Cloth
 from toile.engine.drape.passable import let_pass_crossings
 from toile.engine.drape.state import DrapeState
 
@@ -45,10 +46,9 @@ def merge(drape: DrapeState) -> None:
     late[weld[np.linalg.norm(target - stepper.x, axis=1) >= arrived]] = True
     closed = near & ~late[weld[cloth.stitches[:, 0]]]
     cloth = replace(cloth, positions=stepper.x.copy())
-    radius = stepper.least_body_radius if stepper.search is not None else 0.0
+    radius = None if stepper.collisions is None else stepper.collisions.least_body_radius
     while closed.any():
-        drape.restart(cloth.merged(closed))
-        drape.stepper.set_body_radius(radius)
+        _restart(drape, cloth.merged(closed), radius)
         # What was between, or crossed unseen across the open seam, is found now.
         crossings = drape.audit()
         if not (len(crossings.avatar) or len(crossings.cloth)):
@@ -59,8 +59,14 @@ def merge(drape: DrapeState) -> None:
         crossing = np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()])
         at_fault = np.isin(weld[cloth.stitches], weld[cloth.face_nodes[crossing]]).any(axis=1)
         closed = closed & ~at_fault if (closed & at_fault).any() else np.zeros_like(closed)
-        drape.restart(cloth)
-        drape.stepper.set_body_radius(radius)
+        _restart(drape, cloth, radius)
+
+
+def _restart(drape: DrapeState, cloth: Cloth, body_radius: float | None) -> None:
+    """Go on with a cloth of another topology, at the same least distance [m] from the avatar."""
+    drape.restart(cloth)
+    if drape.stepper.collisions is not None and body_radius is not None:
+        drape.stepper.collisions.set_body_radius(body_radius)
 
 
 def merge_late(drape: DrapeState) -> bool:

@@ -14,7 +14,7 @@ BODY_RINGS = 3
 
 def around(drape: DrapeState, nodes: Int, radius: float) -> Bool:
     """Mark material vertices within about `radius` [m] of nodes, along the cloth, shape (m,)."""
-    faces = drape.stepper.faces
+    faces = drape.cloth.face_nodes
     marked = node_mask(len(drape.stepper.x), nodes)
     edge = float(np.sqrt(2.0 * drape.cloth.rest_area.mean()))
     for _ in range(int(np.ceil(radius / edge))):
@@ -27,7 +27,7 @@ def let_pass_crossings(
 ) -> None:
     """Let cloth pass through what it crosses, and around `closing` nodes of open stitches; nothing else."""
     crossed = [found.avatar[:, 0]] + ([found.cloth.ravel()] if drape.plan.step.self_contact else [])
-    crossing = drape.stepper.faces[np.concatenate(crossed)].ravel()
+    crossing = drape.cloth.face_nodes[np.concatenate(crossed)].ravel()
     body: Bool | None = None
     if drape.surface is not None and len(found.avatar):
         body = np.zeros(len(drape.surface.vertices), bool)

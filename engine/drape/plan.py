@@ -8,7 +8,7 @@ import numpy as np
 from toile.collide.audit import Crossings
 from toile.engine.adapt.remeshing_record import Remeshing
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.step.request import StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
 

@@ -6,7 +6,8 @@ from toile.engine.drape.merging import merge_late
 from toile.engine.drape.state import DrapeState
 from toile.engine.drape.tangles import relax_tangles
 from toile.engine.forces.hold import Holds
-from toile.engine.step.request import MOTION_MAX, StepOutcome, StepRequest
+from toile.engine.forces.step_request import MOTION_MAX, StepRequest
+from toile.engine.step.options import StepOutcome
 from toile.geometry.arrays import Float
 
 LONG = 0.5
@@ -29,7 +30,7 @@ def ease(drape: DrapeState) -> None:
     start = np.zeros_like(stepper.x)
     np.add.at(start, drape.cloth.node, drape.cloth.start_positions)
     start /= np.bincount(drape.cloth.node, minlength=len(start))[:, None]
-    stepper.holds = Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1)))
+    stepper.hold(Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1))))
     h, motion_max = plan.sewing_step, MOTION_MAX
     for _ in range(plan.easing_steps):
         if drape.stopped():
@@ -43,7 +44,7 @@ def ease(drape: DrapeState) -> None:
         )  # fmt: skip
         motion_max = _may_move(outcome)
         h = min(1.2 * h, plan.longest_step)
-    stepper.holds = None
+    stepper.hold(None)
 
 
 def settle(drape: DrapeState) -> None:

@@ -7,7 +7,8 @@ from toile.engine.drape.merging import merge
 from toile.engine.drape.passable import around
 from toile.engine.drape.state import DrapeState
 from toile.engine.forces.hold import SewingHolds
-from toile.engine.step.request import StepRequest
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.forces.stitch import Stitches
 
 
 def sew(drape: DrapeState) -> None:
@@ -48,13 +49,14 @@ def close_jams(drape: DrapeState) -> None:
 def close(drape: DrapeState) -> None:
     """Close all seams on schedule, until all nodes of stitches have met or patience ends."""
     plan = drape.plan
-    holds = drape.stepper.holds
-    assert isinstance(holds, SewingHolds)
+    holds, stitches = drape.stepper.force(SewingHolds), drape.stepper.force(Stitches)
+    assert holds is not None and stitches is not None
     slide_in_plane(drape)
     if drape.stopped():
         return
-    drape.stepper.stitch_length = drape.gaps()
-    closing = max(1, int(np.ceil(drape.stepper.stitch_length.max() / plan.closing_per_step)))
+    gaps = drape.gaps()
+    stitches.start_from(gaps)
+    closing = max(1, int(np.ceil(gaps.max() / plan.closing_per_step)))
     pairs = drape.cloth.stitches
     cloth = drape.cloth
     delay = zipper_distance(cloth.positions, pairs, cloth.seam, cloth.weld) / plan.zipper_per_step

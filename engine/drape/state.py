@@ -8,9 +8,10 @@ import numpy as np
 
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.drape.plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
-from toile.engine.step.request import StageClock, StepOutcome, StepRequest
+from toile.engine.step.options import StageClock, StepOutcome
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 

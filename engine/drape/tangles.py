@@ -5,7 +5,7 @@ import numpy as np
 from toile.engine.drape.merging import merge_late
 from toile.engine.drape.passable import let_pass_crossings
 from toile.engine.drape.state import DrapeState
-from toile.engine.step.request import StepRequest
+from toile.engine.forces.step_request import StepRequest
 
 LARGEST_EFFORT, GENTLE_EFFORT = 16.0, 4.0
 """Largest effort at the first attempt, which loosens most, and the second, which makes fewer new tangles."""

@@ -7,7 +7,6 @@ garment with an open seam is worth more than one that crosses itself.
 
 import numpy as np
 
-from toile.engine.drape.avatar_growth import put_avatar
 from toile.engine.drape.merging import merge
 from toile.engine.drape.sewing import close_jams
 from toile.engine.drape.state import OPEN_REACH, DrapeState
@@ -34,8 +33,8 @@ def _go_back(drape: DrapeState) -> None:
     start = drape.before_passing
     assert start is not None
     drape.phase = "sewing"
-    if start.avatar is not None:
-        put_avatar(drape.stepper, start.avatar)
+    if start.avatar is not None and drape.stepper.collisions is not None:
+        drape.stepper.collisions.put_avatar(start.avatar)
         drape.auditor = None
     drape.ghost, drape.avatar_ghost = np.zeros(len(start.cloth.node), bool), None
     drape.restart(start.cloth)

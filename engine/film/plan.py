@@ -5,9 +5,11 @@ from dataclasses import dataclass, field
 from toile.collide.audit import Crossings
 from toile.engine.adapt.remeshing_record import Remeshing
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.film.time_steps import FilmIntegrator, backward_euler
+from toile.engine.film.advance import StepCounts
+from toile.engine.film.integrators.baraff_witkin import baraff_witkin
+from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.step.memory import Memory
-from toile.engine.step.request import StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
 
@@ -34,7 +36,7 @@ class FilmPlan:
     step
         Implicit step options.
     integrator
-        How a time step is made: `backward_euler` or `tr_bdf2` of engine.film_integrators.
+        How a time step is made: one of engine.film.integrators, such as `baraff_witkin` or `tr_bdf2`.
     frame_seconds
         Time between two audited output frames [s].
     longest_step, shortest_step
@@ -62,7 +64,7 @@ class FilmPlan:
     """
 
     step: StepOptions
-    integrator: FilmIntegrator = backward_euler
+    integrator: Integrator = baraff_witkin
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0
     shortest_step: float = 1.0 / 1920.0
@@ -124,7 +126,7 @@ class FilmState:
     cloth
         The cloth, with its velocities.
     memory
-        What its steps remember.
+        What its steps remember, or None.
     anchors
         Friction anchors of its nodes [m], shape (n, 3), or None without contact.
     avatar
@@ -140,7 +142,7 @@ class FilmState:
     """
 
     cloth: Cloth
-    memory: Memory
+    memory: Memory | None
     anchors: Float | None
     avatar: Float | None
     poses: dict[int, Float]
@@ -150,21 +152,14 @@ class FilmState:
 
 
 @dataclass
-class FilmRecord:
-    """What a film did.
+class FilmRecord(StepCounts):
+    """What a film did, beside its counts of steps.
 
-    `retries` counts steps that were undone and tried again shorter, `forced` steps of the shortest size that
-    were kept although they should have been. Lists have one entry per frame: crossing pairs (avatar, cloth),
-    faces, steps since the last frame, largest stretch, smallest gap [m], avatar's lag [m]; `remeshings` one
-    per remeshing. `failure` says why a film ended early, empty if it did not.
+    Lists have one entry per frame: crossing pairs (avatar, cloth), faces, steps since the last frame, largest
+    stretch, smallest gap [m], avatar's lag [m]; `remeshings` one per remeshing. `failure` says why a film
+    ended early, empty if it did not.
     """
 
-    steps: int = 0
-    retries: int = 0
-    forced: int = 0
-    newton_iterations: int = 0
-    cg_iterations: int = 0
-    simulated_seconds: float = 0.0
     cancelled: bool = False
     failure: str = ""
     crossings: list[tuple[int, int]] = field(default_factory=list)

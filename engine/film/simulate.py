@@ -2,22 +2,22 @@
 
 from collections.abc import Callable
 from copy import deepcopy
-from math import ceil, inf
+from math import inf
 from time import process_time
 
 import numpy as np
 
-from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.advance import Way, advance
 from toile.engine.film.avatar_path import AvatarPath
 from toile.engine.film.plan import FilmFrame, FilmPlan, FilmRecord, FilmState
+from toile.engine.film.step_sizes import StepLimits, StepSizes
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
-from toile.engine.step.request import StageClock, StepOutcome, StepRequest
+from toile.engine.step.options import StageClock
 from toile.geometry.arrays import Float, Int
 
-GROWTH = 1.2
-"""Factor on the step size after a step that went well."""
 MOVED = 1.0
 """RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
 RELAXING = 0.01
@@ -49,9 +49,16 @@ class Simulation(ClothRun):
         self.motion = motion
         self.pin_motion = None if cloth.handles is None else pin_motion
         self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
+        if self.path is not None and self.surface is not None:
+            # From the first pose, wherever a film is resumed.
+            self.surface.build_tree()
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
-        self._h = plan.longest_step
+        limits = StepLimits(
+            longest=plan.longest_step, shortest=plan.shortest_step, motion_max=plan.motion_max,
+            stretch_rise=plan.stretch_rise,
+        )  # fmt: skip
+        self._sizes = StepSizes(limits, plan.longest_step)
         self._contacts = 0
         self._min_gap = inf
         self._steps = 0
@@ -66,9 +73,10 @@ class Simulation(ClothRun):
             if self.record.cancelled or self._jumps():
                 break
             if self.motion is not None:
-                self._begin_afresh()
+                # A film that is resumed after this frame runs the same.
+                self.stepper.begin_afresh()
             self._remesh()
-            self._advance(self.plan.frame_seconds)
+            self._advance()
             self._catch_up()
             self._close_frame()
             if self.record.failure:
@@ -80,10 +88,10 @@ class Simulation(ClothRun):
         stepper = self.stepper
         return FilmState(
             cloth=self.cloth, memory=stepper.memory,
-            anchors=None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy(),
+            anchors=self._anchors(),
             avatar=None if self.surface is None else self.surface.vertices,
             poses={} if self.path is None else dict(self.path.poses),
-            meshed_at=self._meshed_at, longest_step=self._h, record=deepcopy(self.record),
+            meshed_at=self._meshed_at, longest_step=self._sizes.h, record=deepcopy(self.record),
         )  # fmt: skip
 
     def go_on_from(self, state: FilmState) -> None:
@@ -93,15 +101,13 @@ class Simulation(ClothRun):
         if self.path is not None:
             self.path.poses.update(state.poses)
         self.restart(state.cloth, state.anchors, state.memory)
-        self._meshed_at, self._h, self.record = state.meshed_at, state.longest_step, deepcopy(state.record)
+        self._meshed_at, self._sizes.h = state.meshed_at, state.longest_step
+        self.record = deepcopy(state.record)
 
-    def _begin_afresh(self) -> None:
-        """Forget what was carried over from earlier frames, so that a film taken up here runs the same."""
-        stepper = self.stepper
-        anchors = None if stepper.search is None else stepper.anchor[: len(stepper.x)].copy()
-        if self.surface is not None:
-            self.surface = AvatarSurface(self.surface.vertices, self.surface.faces)
-        self.restart(self.cloth, anchors, stepper.memory)
+    def _anchors(self) -> Float | None:
+        """Friction anchors of the nodes [m], shape (n, 3); None without contact."""
+        collisions = self.stepper.collisions
+        return None if collisions is None else collisions.anchor[: len(self.stepper.x)].copy()
 
     def _frame_time(self) -> float:
         """Time of the last frame [s]."""
@@ -150,54 +156,27 @@ class Simulation(ClothRun):
         self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", now)
 
-    def _advance(self, seconds: float) -> None:
-        """Step until `seconds` have passed, in steps as equal as the adaptive size allows."""
-        plan, record = self.plan, self.record
-        left = seconds
-        while left > 1e-9 * seconds:
-            speed = max(float(np.linalg.norm(self.stepper.v, axis=1).max()), self._driven_speed)
-            wished = min(self._h, plan.motion_max / max(speed, 1e-300))
-            h = left / ceil(left / wished - 1e-9)
-            outcome, good = self._attempt(h, self._frame_time() + seconds - left)
-            if outcome is None:
-                self._h = 0.5 * h
-                continue
-            if good:
-                self._h = min(GROWTH * self._h, plan.longest_step)
-            left -= h
-            record.steps += 1
-            record.simulated_seconds += h
+    def _advance(self) -> None:
+        """Step to the next frame."""
+        way = Way(
+            integrator=self.plan.integrator, ask=self._request, stretch=self.stretch_max,
+            driven_speed=self._driven_speed,
+        )  # fmt: skip
+        span = (self._frame_time(), self.plan.frame_seconds)
+        for outcome in advance(self.stepper, way, self._sizes, span, self.record):
             self._steps += 1
             self._contacts = outcome.contacts
             self._min_gap = min(self._min_gap, outcome.min_gap)
 
-    def _attempt(self, h: float, since: float) -> tuple[StepOutcome | None, bool]:
-        """Try a step of size h from a time [s]: its outcome or, undone, None; and whether it went well."""
-        plan, stepper, record = self.plan, self.stepper, self.record
-        before = self.stretch_max()
-        saved = stepper.save()
-
-        def ask(length: float, share: float) -> StepRequest:
-            until = since + share * h
-            return StepRequest(
-                h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
-                cg_tolerance=plan.cg_tolerance, motion_max=inf,
-                avatar_target=None if self.path is None else self.path.at(until),
-                pin_target=self._pins(until), seconds=until,
-            )  # fmt: skip
-
-        outcome = plan.integrator(stepper, h, ask)
-        record.newton_iterations += outcome.newton_iterations
-        record.cg_iterations += outcome.cg_iterations
-        rise = self.stretch_max() - before
-        if outcome.converged and rise <= plan.stretch_rise:
-            return outcome, rise <= 0.5 * plan.stretch_rise
-        if h > plan.shortest_step:
-            record.retries += 1
-            stepper.restore(saved)
-            return None, False
-        record.forced += 1
-        return outcome, False
+    def _request(self, length: float, until: float) -> StepRequest:
+        """Return what a stage of a length [s] that ends at a time [s] is asked for."""
+        plan = self.plan
+        return StepRequest(
+            h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
+            cg_tolerance=plan.cg_tolerance, motion_max=inf,
+            avatar_target=None if self.path is None else self.path.at(until),
+            pin_target=self._pins(until), seconds=until,
+        )  # fmt: skip
 
     def _pins(self, seconds: float) -> Float | None:
         """Where handles take pins and goals at a time [m], shape (n, 3); only their rows count."""
@@ -219,9 +198,9 @@ class Simulation(ClothRun):
         target, pins = None if self.path is None else self.path.at(now), self._pins(now)
         lag, place = self._behind(target, pins)
         if lag > ARRIVED:
-            velocities = stepper.v
+            velocities, memory = stepper.v, stepper.memory
             for _ in range(CATCHING_UP):
-                stepper.v = np.zeros_like(stepper.x)
+                stepper.put(stepper.x, np.zeros_like(stepper.x), memory)
                 stepper.step(
                     StepRequest(
                         h=plan.shortest_step, at_rest=False, gravity=0.0, cg_tolerance=plan.cg_tolerance,
@@ -232,7 +211,7 @@ class Simulation(ClothRun):
                 lag, place = self._behind(target, pins)
                 if lag <= ARRIVED or lag > 0.9 * before:
                     break
-            stepper.v = velocities
+            stepper.put(stepper.x, velocities, memory)
         if lag > plan.lag_max:
             self.record.failure = (
                 f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "

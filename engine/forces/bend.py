@@ -12,6 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.force import StepState
+from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.patch import bending_patches
 from toile.geometry.topology import Topology, triangle_topology
@@ -70,6 +72,9 @@ class Bending:
         Area times rigidity tensor of every face [N m^3], shape (t, 3, 3).
     """
 
+    nodes = None
+    elastic = True
+
     def __init__(
         self,
         faces: Int,
@@ -106,6 +111,7 @@ class Bending:
         rigid = None if pinned is None else np.asarray(pinned[faces].all(axis=1))
         patches = bending_patches(faces, rest_corners, topology, node_count, rigid)
         self.faces = faces
+        self._factor = 1.0
         self.rigidity = rigidity * patches.areas[:, None, None]
         self.second_derivatives = patches.second_derivatives
         self._rest: Float | None = None
@@ -147,6 +153,25 @@ class Bending:
             rest_curved=cloth.rest_curved,
         )
 
+    @property
+    def constant_matrix(self) -> sp.csr_array:
+        """The scalar matrix S [N/m]: the whole Hessian."""
+        return self.stiffness
+
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Take the factor on the rigidity from the request; `energy` stays that of the fabric."""
+        self._factor = step.request.bending_factor
+        return True
+
+    def add_gradient(self, x: Float, gradient: Float) -> None:
+        """Add the derivative of the energy [N], times the factor, to an array of shape (n, 3)."""
+        gradient += self._factor * self.gradient(x)
+
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Add the gradient; the constant matrix counts with the factor."""
+        self.add_gradient(x, gradient)
+        hessian.scale_constant(self._factor)
+
     def second_derivatives_at(self, x: Float) -> Float:
         """Return second derivatives (uu, vv, uv) of positions x [1/m], shape (t, 3, 3), last axis x, y, z."""
         return np.asarray(self.second_derivatives @ x).reshape(-1, 3, 3)
@@ -178,11 +203,6 @@ class Bending:
             forces -= self.second_derivatives.T @ moments.reshape(-1, 3)
             self._add_turning(x, np.cross(self.second_derivatives_at(x), moments).sum(axis=1), forces)
         return forces
-
-    def gradient_and_energy(self, x: Float) -> tuple[Float, float]:
-        """Gradient [N], shape (n, 3), and energy [J]: where cloth is flat at rest, one product gives both."""
-        gradient = self.gradient(x)
-        return gradient, self.energy(x) if self._rest is not None else 0.5 * float(np.vdot(x, gradient))
 
     def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
         """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on each face.

@@ -2,16 +2,18 @@
 
 import numpy as np
 
+from toile.engine.forces.force import NodalForce, StepState
+from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import ContactStencils
 from toile.geometry.arrays import Float, Int
 
 
-class Holds:
-    """Springs E = k/2 sum_axis w_axis (x - target)^2 on single nodes.
+class NodeSprings(NodalForce):
+    """Springs E = k/2 sum_axis w_axis (x - target)^2 on single nodes; `begin` says what k is in a step.
 
     Attributes
     ----------
-    nodes
+    held
         Held nodes, shape (k,).
     targets
         Where they are held [m], shape (k, 3); may be moved.
@@ -19,29 +21,44 @@ class Holds:
         Weight of each axis, shape (k, 3): (0, 1, 0) holds the height only.
     """
 
-    def __init__(self, nodes: Int, targets: Float, axes: Float) -> None:
-        self.nodes = nodes
+    def __init__(self, held: Int, targets: Float, axes: Float) -> None:
+        self.held = held
         self.targets = targets
         self.axes = axes
+        self._stiffness = 0.0
 
-    def energy(self, x: Float, stiffness: float) -> float:
-        """Energy [J] for spring stiffness [N/m]."""
-        return float(0.5 * stiffness * np.sum(self.axes * (x[self.nodes] - self.targets) ** 2))
+    def energy(self, x: Float) -> float:
+        """Energy [J]."""
+        return float(0.5 * self._stiffness * np.sum(self.axes * (x[self.held] - self.targets) ** 2))
 
-    def add_gradient(self, x: Float, stiffness: float, gradient: Float) -> None:
+    def add_gradient(self, x: Float, gradient: Float) -> None:
         """Add the gradient [N] to shape (n, 3)."""
-        np.add.at(gradient, self.nodes, stiffness * self.axes * (x[self.nodes] - self.targets))
+        np.add.at(gradient, self.held, self._stiffness * self.axes * (x[self.held] - self.targets))
 
-    def stencils(self, stiffness: float) -> ContactStencils:
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Add gradient and Hessian."""
+        self.add_gradient(x, gradient)
+        hessian.add_stencils(self.stencils())
+
+    def stencils(self) -> ContactStencils:
         """Return the Hessian as single-node stencils."""
-        count = len(self.nodes)
+        count = len(self.held)
         nodes = np.full((count, 4), -1, np.int32)
-        nodes[:, 0] = self.nodes
+        nodes[:, 0] = self.held
         weights = np.zeros((count, 4))
         weights[:, 0] = 1.0
         block = np.zeros((count, 3, 3))
-        block[:, np.arange(3), np.arange(3)] = stiffness * self.axes
+        block[:, np.arange(3), np.arange(3)] = self._stiffness * self.axes
         return ContactStencils(nodes, weights, block)
+
+
+class Holds(NodeSprings):
+    """Nodes held near a place as strongly as a step asks for."""
+
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Take the stiffness [N/m] from the request: without any nothing is held."""
+        self._stiffness = step.request.hold_stiffness
+        return self._stiffness > 0.0
 
 
 class SewingHolds(Holds):
@@ -70,4 +87,4 @@ class SewingHolds(Holds):
 
         `share` is 1 at the start and 0 at the meeting place, one value per node of the cloth, shape (n,).
         """
-        self.targets = self._meeting + share[self.nodes, None] * self._offset
+        self.targets = self._meeting + share[self.held, None] * self._offset

@@ -17,6 +17,9 @@ from math import sqrt
 import numpy as np
 from numba import types
 
+from toile.engine.forces.force import ElementForce
+from toile.engine.solve.assembly import scatter_gradients
+from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import (
     F64_2,
@@ -184,7 +187,7 @@ def fill_rest_shapes(rest: Float, shape: Float) -> None:
         shape[t, 4], shape[t, 7] = -shape[t, 5] - shape[t, 6], -shape[t, 8] - shape[t, 9]
 
 
-class Membrane:
+class Membrane(ElementForce):
     """Membrane energy of faces.
 
     Attributes
@@ -219,7 +222,7 @@ class Membrane:
         shape = np.empty((count, 11))
         fill_rest_shapes(np.ascontiguousarray(rest_corners, np.float64), shape)
         shape[:, 1], shape[:, 2], shape[:, 3], shape[:, 10] = stretch_warp, stretch_weft, shear, compression
-        self.faces = faces
+        self.faces = self.nodes = faces
         self.shape = shape
         self.element_energy = np.zeros(count)
         self.element_gradient = np.zeros((count, 3, 3))
@@ -237,6 +240,17 @@ class Membrane:
     def evaluate(self, x: Float) -> None:
         """Fill the element arrays at node positions x [m], shape (n, 3)."""
         _evaluate(self.faces, self.shape, x, self.element_energy, self.element_gradient, self.element_hessian)
+
+    def add_gradient(self, x: Float, gradient: Float) -> None:
+        """Add the derivative of the energy [N] to an array of shape (n, 3)."""
+        self.evaluate_gradient(x)
+        scatter_gradients(self.faces, self.element_gradient, gradient)
+
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Add gradient and projected Hessian at node positions x [m], shape (n, 3)."""
+        self.evaluate(x)
+        scatter_gradients(self.faces, self.element_gradient, gradient)
+        hessian.add_elements(self.faces, self.element_hessian)
 
     def gradient(self, values: Float) -> Float:
         """Return the change of node values (n, k) per metre of warp and of weft on faces, shape (t, k, 2)."""

@@ -11,13 +11,14 @@ from math import sqrt
 import numpy as np
 from numba import types
 
+from toile.engine.forces.element_damping import ElementDamping
 from toile.engine.forces.membrane import Membrane
 from toile.geometry.arrays import Float, Int
-from toile.geometry.kernel import F64_2, I32_2, OUT_F64_4, kernel
+from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_4, kernel
 
 
-@kernel(types.void(I32_2, F64_2, types.float64, F64_2, OUT_F64_4))
-def _evaluate(faces: Int, shape: Float, seconds: float, x: Float, damping: Float) -> None:
+@kernel(types.void(I32_2, F64_2, F64_1, F64_2, OUT_F64_4))
+def _evaluate(faces: Int, shape: Float, seconds: Float, x: Float, damping: Float) -> None:
     """Fill blocks of the corner pairs [N s/m], shape (t, 6, 3, 3); columns of `shape` as in the membrane."""
     # rows: dC/dx of the corners for warp, weft and shear
     f, slope = np.empty((2, 3), np.float64), np.empty((3, 3, 3), np.float64)
@@ -37,7 +38,7 @@ def _evaluate(faces: Int, shape: Float, seconds: float, x: Float, damping: Float
                 slope[0, a, c] = root_u * du * f[0, c]
                 slope[1, a, c] = root_v * dv * f[1, c]
                 slope[2, a, c] = root_s * (du * f[1, c] + dv * f[0, c])
-        scale = seconds * shape[t, 0]
+        scale = seconds[t] * shape[t, 0]
         for pair in range(6):
             a = pair if pair < 3 else (0 if pair < 5 else 1)
             b = pair if pair < 3 else (1 if pair == 3 else 2)
@@ -50,21 +51,15 @@ def _evaluate(faces: Int, shape: Float, seconds: float, x: Float, damping: Float
                     )
 
 
-class MembraneDamping:
-    """Damping of a membrane.
+class MembraneDamping(ElementDamping):
+    """Damping of a membrane; blocks are of the corner pairs in the order of `Membrane.element_hessian`."""
 
-    Attributes
-    ----------
-    element_damping
-        Positive semi-definite blocks of the corner pairs, in the order of `Membrane.element_hessian` [N s/m],
-        shape (t, 6, 3, 3).
-    """
-
-    def __init__(self, membrane: Membrane, seconds: float) -> None:
-        """Build for damping of `seconds` times the stiffness of the membrane, in tension."""
-        self._faces, self._shape, self._seconds = membrane.faces, membrane.shape, seconds
-        self.element_damping = np.zeros((len(membrane.faces), 6, 3, 3))
+    def __init__(self, membrane: Membrane, seconds: Float | float) -> None:
+        """Build for damping of `seconds` times the stiffness in tension, for all faces or per face (t,)."""
+        super().__init__(membrane.faces)
+        self._shape = membrane.shape
+        self._seconds = np.full(len(membrane.faces), seconds, np.float64)
 
     def evaluate(self, x: Float) -> None:
         """Fill the blocks at node positions x [m], shape (n, 3)."""
-        _evaluate(self._faces, self._shape, self._seconds, x, self.element_damping)
+        _evaluate(self.nodes, self._shape, self._seconds, x, self.element_damping)

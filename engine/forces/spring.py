@@ -11,6 +11,10 @@ from math import sqrt
 import numpy as np
 from numba import types
 
+from toile.engine.forces.element_damping import ElementDamping
+from toile.engine.forces.force import ElementForce
+from toile.engine.solve.assembly import scatter_gradients
+from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_F64_3, OUT_F64_4, kernel
 
@@ -65,7 +69,7 @@ def _hessians(pairs: Int, lengths: Float, along: Float, x: Float, hessian: Float
                 hessian[s, 2, r, c] = -value
 
 
-class Springs:
+class Springs(ElementForce):
     """Springs of one topology.
 
     Attributes
@@ -80,7 +84,7 @@ class Springs:
     """
 
     def __init__(self, pairs: Int, lengths: Float, stiffness: Float) -> None:
-        self.pairs = pairs
+        self.pairs = self.nodes = pairs
         self.lengths = lengths
         self.stiffness = stiffness
         self.element_energy = np.zeros(len(pairs))
@@ -101,24 +105,28 @@ class Springs:
         self.evaluate_gradient(x)
         _hessians(self.pairs, self.lengths, self.stiffness, x, self.element_hessian)
 
+    def add_gradient(self, x: Float, gradient: Float) -> None:
+        """Add the derivative of the energy [N] to an array of shape (n, 3)."""
+        self.evaluate_gradient(x)
+        scatter_gradients(self.pairs, self.element_gradient, gradient)
 
-class SpringDamping:
-    """What resists the lengthening of springs, c (n . (v_a - v_b)) n.
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Add gradient and projected Hessian at node positions x [m], shape (n, 3)."""
+        self.evaluate(x)
+        scatter_gradients(self.pairs, self.element_gradient, gradient)
+        hessian.add_elements(self.pairs, self.element_hessian)
 
-    Attributes
-    ----------
-    element_damping
-        Positive semi-definite blocks (0,0), (1,1), (0,1) [N s/m], shape (s, 3, 3, 3).
-    """
+
+class SpringDamping(ElementDamping):
+    """What resists the lengthening of springs, c (n . (v_a - v_b)) n."""
 
     def __init__(self, springs: Springs, seconds: float) -> None:
         """Build for coefficients of `seconds` times each spring's stiffness."""
-        self._pairs = springs.pairs
+        super().__init__(springs.pairs)
         self._coefficients: Float = seconds * springs.stiffness
         # An endless rest length leaves nothing but what acts along the spring.
         self._along_only: Float = np.full(len(springs.pairs), np.inf)
-        self.element_damping = np.zeros((len(springs.pairs), 3, 3, 3))
 
     def evaluate(self, x: Float) -> None:
         """Fill the blocks at node positions x [m], shape (n, 3)."""
-        _hessians(self._pairs, self._along_only, self._coefficients, x, self.element_damping)
+        _hessians(self.nodes, self._along_only, self._coefficients, x, self.element_damping)

@@ -16,6 +16,8 @@ shorter: it is left to stretch and bending.
 import numpy as np
 
 from toile.collide.audit import crossings_within
+from toile.engine.forces.force import NodalForce, StepState
+from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import ContactStencils
 from toile.geometry.arrays import Float, Int
 
@@ -27,8 +29,8 @@ FAINT = 0.3
 """Length of G at which a curve pulls at 0.7 of full strength."""
 
 
-class Untangling:
-    """Springs at the points where edges pierce faces, found by `evaluate`.
+class Untangling(NodalForce):
+    """Springs at the points where edges pierce faces, found by `evaluate`; a request gives their stiffness.
 
     Attributes
     ----------
@@ -38,7 +40,9 @@ class Untangling:
         Future node of every vertex: faces on two sides of an open seam do not count, shape (v,).
     cloth_nodes
         Number of leading vertices that are nodes of the cloth; the others belong to the avatar.
-    nodes, weights
+    positions
+        All vertices, those of the avatar as they are [m], shape (v, 3).
+    ends, weights
         Nodes of every spring's end and their shares in its place, shape (k, 4); -1 where unused or avatar.
     direction
         Unit vector along which each end is drawn, shape (k, 3).
@@ -46,14 +50,42 @@ class Untangling:
         Share of the stiffness that each spring has, 0 to 1, shape (k,).
     """
 
-    def __init__(self, faces: Int, weld: Int, cloth_nodes: int) -> None:
+    def __init__(self, faces: Int, weld: Int, cloth_nodes: int, positions: Float) -> None:
+        """Build; `positions` is the array in which the contact search keeps all vertices, cloth first."""
         self.faces = faces
         self.weld = weld
         self.cloth_nodes = cloth_nodes
-        self.nodes = np.empty((0, 4), np.int32)
+        self.positions = positions
+        self._stiffness = 0.0
+        self._before: Float = np.empty((0, 3))
+        self.ends = np.empty((0, 4), np.int32)
         self.weights = np.empty((0, 4))
         self.direction = np.empty((0, 3))
         self.strength = np.empty(0)
+
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Take the stiffness [N/m] from the request: without any nothing is drawn apart."""
+        self._stiffness = step.request.untangle_stiffness
+        return self._stiffness > 0.0
+
+    def energy(self, x: Float) -> float:
+        """Energy of the springs as found last [J]: each draws its end by half of REACH."""
+        return float(0.5 * self._stiffness * np.sum(self.strength * self._short_of(x) ** 2))
+
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Find what crosses where the vertices are, and add gradient and Hessian."""
+        self.evaluate(self.positions)
+        self.add_gradient(x, gradient)
+        hessian.add_stencils(self.stencils())
+
+    def _short_of(self, x: Float) -> Float:
+        """How far every end is from where its spring draws it, against the direction [m], shape (k,)."""
+        return np.asarray(np.einsum("ki,ki->k", self._places(x) - self._before, self.direction) - 0.5 * REACH)
+
+    def _places(self, x: Float) -> Float:
+        """Share of the cloth in the place of every end [m], shape (k, 3)."""
+        own = np.where(self.ends >= 0, self.weights, 0.0)
+        return np.asarray(np.einsum("kq,kqi->ki", own, x[np.maximum(self.ends, 0)]))
 
     def evaluate(self, x: Float) -> None:
         """Find the crossing curves at vertex positions x [m], shape (v, 3), and what shortens them."""
@@ -80,27 +112,30 @@ class Untangling:
         size = np.linalg.norm(total, axis=1)
         strength = size / np.sqrt(size**2 + FAINT**2)
         count = len(first)
-        self.nodes = np.full((2 * count, 4), -1, np.int32)
+        self.ends = np.full((2 * count, 4), -1, np.int32)
         self.weights = np.zeros((2 * count, 4))
-        self.nodes[:count, :2], self.nodes[count:, :3] = edge[first], triangle[first]
+        self.ends[:count, :2], self.ends[count:, :3] = edge[first], triangle[first]
         s = np.concatenate(share)[first]
         self.weights[:count, 0], self.weights[:count, 1] = 1.0 - s, s
         self.weights[count:, :3] = np.concatenate(inside)[first]
-        self.nodes[self.nodes >= self.cloth_nodes] = -1
+        self.ends[self.ends >= self.cloth_nodes] = -1
         self.direction = np.concatenate([_unit(total), -_unit(total)])
         self.strength = np.concatenate([strength, strength])
+        self._before = self._places(x)
 
-    def add_gradient(self, stiffness: float, gradient: Float) -> None:
-        """Add the springs' gradient [N] to shape (n, 3), for stiffness [N/m]."""
-        pull = -0.5 * REACH * stiffness * self.strength[:, None] * self.direction
+    def add_gradient(self, x: Float, gradient: Float) -> None:
+        """Add the gradient of the springs as found last [N] to an array of shape (n, 3)."""
+        pull = (self._short_of(x) * self._stiffness * self.strength)[:, None] * self.direction
         for q in range(3):
-            used = self.nodes[:, q] >= 0
-            np.add.at(gradient, self.nodes[used, q], self.weights[used, q, None] * pull[used])
+            used = self.ends[:, q] >= 0
+            np.add.at(gradient, self.ends[used, q], self.weights[used, q, None] * pull[used])
 
-    def stencils(self, stiffness: float) -> ContactStencils:
+    def stencils(self) -> ContactStencils:
         """Return the Hessian as stencils of two and three nodes, stiff along the direction only."""
         along = self.direction[:, :, None] * self.direction[:, None, :]
-        return ContactStencils(self.nodes, self.weights, stiffness * self.strength[:, None, None] * along)
+        return ContactStencils(
+            self.ends, self.weights, self._stiffness * self.strength[:, None, None] * along
+        )
 
 
 class _Pierced:

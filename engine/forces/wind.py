@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toile.engine.forces.force import NodalForce, StepState
 from toile.engine.forces.gusts import Gusts
+from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
 
 
@@ -44,8 +46,8 @@ class AirFlow:
         return mean if self.gusts is None else self.gusts.velocity(mean, seconds)
 
 
-class Wind:
-    """Wind on one topology; `begin` sets the normals of a step.
+class Wind(NodalForce):
+    """Wind on one topology; `begin` takes the normals of a step.
 
     Attributes
     ----------
@@ -58,10 +60,12 @@ class Wind:
         self.flow = air
         self.air = air.velocity_at(0.0)
         self.drag = np.zeros((node_count, 3, 3))
+        self._step: StepState | None = None
 
-    def begin(self, x: Float, seconds: float = 0.0) -> None:
-        """Take normals and areas at node positions x [m], shape (n, 3), and the air's velocity at a time."""
-        self.air = self.flow.velocity_at(seconds)
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Take normals and areas at node positions x [m], shape (n, 3), and the air's velocity."""
+        self._step = step
+        self.air = self.flow.velocity_at(step.request.seconds)
         corner = x[self.faces[:, 0]]
         normal = np.cross(x[self.faces[:, 1]] - corner, x[self.faces[:, 2]] - corner)
         twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
@@ -75,12 +79,25 @@ class Wind:
         if self.flow.friction:
             third = np.repeat(self.flow.friction / 6.0 * twice_area, 3)
             self.drag[:, [0, 1, 2], [0, 1, 2]] += np.bincount(nodes, third, len(self.drag))[:, None]
+        return True
 
-    def energy(self, velocity: Float, h: float) -> float:
-        """Dissipation potential [J] of a step of size h [s] at node velocities [m/s], shape (n, 3)."""
-        slip = velocity - self.air
-        return 0.5 * h * float(np.einsum("ni,nij,nj->", slip, self.drag, slip))
+    def energy(self, x: Float) -> float:
+        """Dissipation potential of the step [J] at its end x [m], shape (n, 3)."""
+        assert self._step is not None
+        slip = self._slip(x)
+        return 0.5 * float(np.einsum("n,ni,nij,nj->", self._step.h, slip, self.drag, slip))
 
-    def gradient(self, velocity: Float) -> Float:
-        """Gradient of the potential with respect to positions [N], shape (n, 3): minus the force."""
-        return np.asarray(np.einsum("nij,nj->ni", self.drag, velocity - self.air))
+    def add_gradient(self, x: Float, gradient: Float) -> None:
+        """Add minus the force [N] to an array of shape (n, 3)."""
+        gradient += np.einsum("nij,nj->ni", self.drag, self._slip(x))
+
+    def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
+        """Add the gradient, and the drag over the step size."""
+        assert self._step is not None
+        self.add_gradient(x, gradient)
+        hessian.add_nodes(self.drag / self._step.h[:, None, None])
+
+    def _slip(self, x: Float) -> Float:
+        """Velocity of the cloth less that of the air [m/s], shape (n, 3)."""
+        assert self._step is not None
+        return np.asarray(self._step.velocity_at(x) - self.air)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from toile.engine.forces.membrane import Membrane
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Float
 
 LOCAL_HALVINGS, HALVINGS = 6, 6
 """How often a step to equilibrium is shortened when it stretches the cloth more than forces pull it."""
@@ -16,7 +16,7 @@ GREEDY = 0.01
 
 
 def backed_off(
-    membrane: Membrane, faces: Int, x: Float, move: Float, gradient: Float, safe: Callable[[Float], Float]
+    membrane: Membrane, x: Float, move: Float, gradient: Float, safe: Callable[[Float], Float]
 ) -> Float:
     """Shorten a move while it takes more membrane energy than all forces do work along it.
 
@@ -25,8 +25,8 @@ def backed_off(
 
     Parameters
     ----------
-    membrane, faces
-        The membrane as evaluated at the nodes, and its faces, shape (t, 3).
+    membrane
+        The membrane as evaluated at the nodes.
     x, move
         Nodes and their safe displacements [m], shape (n, 3).
     gradient
@@ -46,6 +46,6 @@ def backed_off(
             continue
         stretched = membrane.element_energy - before > GREEDY * taken
         factor = np.ones(len(move))
-        factor[faces[stretched].ravel()] = 0.5
+        factor[membrane.faces[stretched].ravel()] = 0.5
         move = safe(factor[:, None] * move)
     return move

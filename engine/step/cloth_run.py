@@ -5,9 +5,10 @@ from dataclasses import replace
 from toile.collide.audit import Auditor, Crossings
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.membrane import Membrane
+from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.memory import Memory
-from toile.engine.step.request import StageClock, StepOptions, StepRequest
-from toile.engine.step.step import ClothStepper
+from toile.engine.step.options import StageClock, StepOptions
 from toile.geometry.arrays import Float, Int
 
 
@@ -35,7 +36,7 @@ class ClothRun:
         self.clock = clock
         self.surface = None if avatar is None else AvatarSurface(*avatar)
         self.auditor: Auditor | None = None
-        self.stepper = ClothStepper(cloth, self.surface, options, clock)
+        self.stepper = cloth_stepper(cloth, self.surface, options, clock)
 
     def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
         """Go on with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
@@ -43,11 +44,10 @@ class ClothRun:
         Without them anchors start at the nodes, and steps know no past.
         """
         self.cloth = cloth
-        self.stepper = ClothStepper(cloth, self.surface, self.stepper.options, self.clock)
-        if anchors is not None and self.stepper.search is not None:
-            self.stepper.anchor[: len(anchors)] = anchors
-        if memory is not None:
-            self.stepper.memory = memory
+        stepper = self.stepper = cloth_stepper(cloth, self.surface, self.stepper.options, self.clock)
+        stepper.put(cloth.positions, cloth.velocities, memory)
+        if anchors is not None and stepper.collisions is not None:
+            stepper.collisions.anchor[: len(anchors)] = anchors
 
     def audit(self) -> Crossings:
         """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
@@ -55,7 +55,7 @@ class ClothRun:
         if self.auditor is None:
             body = (None, None) if surface is None else (surface.vertices, surface.faces)
             self.auditor = Auditor(*body)
-        return self.auditor.audit(stepper.x, stepper.faces, self.cloth.weld)
+        return self.auditor.audit(stepper.x, self.cloth.face_nodes, self.cloth.weld)
 
     def audited_cloth(self) -> Crossings:
         """Take the stepper's positions and velocities over into the cloth; return its crossings."""
@@ -67,9 +67,14 @@ class ClothRun:
 
     def warp_weft_strain(self) -> Float:
         """Strain along warp and weft of every face now, shape (t, 2)."""
-        return self.stepper.membrane.warp_weft_strain(self.stepper.x)
+        membrane = self.stepper.force(Membrane)
+        assert membrane is not None
+        return membrane.warp_weft_strain(self.stepper.x)
 
     def smallest_gap(self) -> float | None:
         """Smallest distance between cloth and avatar or cloth now [m]; None if nothing is within reach."""
-        contacts = self.stepper.contacts(StepRequest(h=1.0, at_rest=True))
-        return None if contacts is None or not contacts.count else float(contacts.gap.min())
+        collisions = self.stepper.collisions
+        if collisions is None:
+            return None
+        gaps = collisions.detect(self.stepper.x).gap
+        return float(gaps.min()) if len(gaps) else None

@@ -6,12 +6,14 @@ import numpy as np
 
 from toile.engine.forces.contact import Contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.solve.cg import CgResult, solve
+from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import NO_CONTACTS, ContactStencils, LinearSystem, joined
 from toile.engine.solve.preconditioner.base import Preconditioner
 from toile.engine.solve.preconditioner.block_jacobi import BlockJacobi
 from toile.engine.solve.preconditioner.choice import make_preconditioner
-from toile.engine.step.request import StageClock, StepRequest
+from toile.engine.step.options import StageClock
 from toile.geometry.arrays import Bool, Float
 
 RUBBINGS, RUBBED = 3, 0.1
@@ -27,14 +29,12 @@ class Iteration(NamedTuple):
         The step.
     positions
         Places of the nodes at which elastic forces are linearised [m], shape (n, 3).
-    blocks
-        Assembled Hessians of the elements [N/m].
+    hessian
+        Second derivatives of all forces but contact.
     gradient
         Gradient of the step's energy there, without contacts [N], shape (n, 3).
     node_diagonal
         Mass over the square of the time step [N/m], shape (n,).
-    stencils
-        Holds and the like.
     pinned
         Pinned nodes, shape (n,), or None.
     ahead
@@ -47,10 +47,9 @@ class Iteration(NamedTuple):
 
     request: StepRequest
     positions: Float
-    blocks: Float
+    hessian: Hessian
     gradient: Float
     node_diagonal: Float
-    stencils: list[ContactStencils]
     pinned: Bool | None
     ahead: Float | None
     guess: Float | None
@@ -106,14 +105,15 @@ class IterationSolver:
     ) -> CgResult:
         """Solve one linear system, from the solution of one that differs little."""
         now = clock.now()
-        request, stencils = iteration.request, iteration.stencils
+        request, hessian = iteration.request, iteration.hessian
+        stencils = hessian.stencils
         gradient = iteration.gradient.copy()
         if contacts is not None:
             contacts.add_gradient(gradient, iteration.ahead)
             stencils = [ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness), *stencils]
         self.system.update(
-            iteration.blocks, iteration.node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
-            pinned=iteration.pinned, bending_scale=request.bending_factor,
+            hessian.blocks, iteration.node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
+            pinned=iteration.pinned, bending_scale=hessian.constant_scale,
         )  # fmt: skip
         ahead = iteration.ahead
         if known is None:

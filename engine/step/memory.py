@@ -1,15 +1,34 @@
-"""What a step changes, kept so that it can be tried again."""
+"""What steps remember, and what a step changes, kept so that it can be tried again."""
 
 from typing import NamedTuple
 
 from toile.geometry.arrays import Bool, Float
 
 
+class Before(NamedTuple):
+    """Positions [m] and velocities [m/s], shapes (n, 3), before the last step, and its size [s]."""
+
+    positions: Float
+    velocities: Float
+    h: float
+
+
 class Memory(NamedTuple):
-    """Accelerations that the last stage solved for [m/s^2], shape (n, 3); nodes that touched in it, (n,)."""
+    """The past of a motion, as far as integrators use it.
+
+    Attributes
+    ----------
+    acceleration
+        What the last stage has solved for [m/s^2], shape (n, 3).
+    touched
+        Nodes in contact then, shape (n,): they take a backward Euler step next.
+    before
+        The state before the last step; None after anything that makes velocities or the mesh jump.
+    """
 
     acceleration: Float
     touched: Bool
+    before: Before | None = None
 
 
 class Saved(NamedTuple):
@@ -17,6 +36,6 @@ class Saved(NamedTuple):
 
     positions: Float
     velocities: Float
-    memory: Memory
+    memory: Memory | None
     anchor: Float | None
     avatar: Float | None

@@ -62,8 +62,7 @@ def _search_body(
 ) -> None:  # fmt: skip
     """Search pairs with the avatar for a few steps of the nodes, and of its vertices where those move."""
     if avatar is not None and motion is not None:
-        avatar.drift = STEPS_AHEAD * motion
-        avatar.motion = np.full(len(motion), SPREAD)
+        avatar.expect(np.full(len(motion), SPREAD), STEPS_AHEAD * motion)
     search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
@@ -148,7 +147,7 @@ def safe_in_motion(
         move = done
         room = LEAST_ALLOWANCE + TAKEN_BACK * lost
         if avatar is not None and start is not None:
-            avatar.drift, avatar.motion = done[count:], room[count:]
+            avatar.expect(room[count:], done[count:])
         if not search.covers_cloth(x + done[:count]):
             search.search_cloth(x, room[:count], drift=done[:count])
         search.search_body(x, room[:count], drift=done[:count])

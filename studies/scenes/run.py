@@ -89,7 +89,7 @@ def run_film(
     started = process_time()
     film = Simulation(scene.cloth, scene.avatar, replace(scene.plan, sizing=sizing), on_frame)
     if preconditioning is not None:
-        film.stepper.solver.preconditioner = preconditioning(film.stepper.system)
+        film.stepper.precondition(preconditioning)
     record = film.run(length)
     cpu = process_time() - started
     jumps = [done.energy_jump for done in record.remeshings]

@@ -18,7 +18,7 @@ from toile.engine.cloth.fabric import Fabric
 from toile.engine.film.plan import FilmPlan
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.wind import AirFlow
-from toile.engine.step.request import StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.panel.panel_mesh import triangulate_panel
 

@@ -7,14 +7,12 @@ import numpy as np
 
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.run.kernels import DRAPE_KERNELS, INTEGRATOR_KERNELS, load_kernels
-from toile.engine.dynamics import Dynamics
-from toile.engine.integrators.newton import NewtonOptions, minimise
-from toile.engine.spring_cloth import grid_mesh, grid_springs, spring_dynamics
-from toile.engine.step.stages import backward_euler_stage
-from toile.engine.triangle_dynamics import triangle_dynamics
+from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
 from toile.studies.scenes.flat_meshes import KINDS
+from toile.studies.scenes.motion import Solving, free_options, free_stepper
 from toile.studies.scenes.scenes import sheet
+from toile.studies.scenes.spring_cloth import grid_mesh, grid_springs, spring_stepper
 from toile.studies.speed_error.point import Chart, Effort, Point
 from toile.studies.speed_error.timed import timed
 from toile.studies.validation.heavy_strip import clamped_strip
@@ -25,7 +23,7 @@ GAMMAS = (1.0, 10.0, 100.0)
 LONG_STEP = 100.0
 """Of the one step in which the strip finds its rest: inertia no longer counts [s]."""
 ITERATIONS = 400
-SOLVED = NewtonOptions(tolerance=1e-6, iterations=ITERATIONS, cg_tolerance=1e-3)
+SOLVED = Solving(tolerance=1e-6, iterations=ITERATIONS, cg_tolerance=1e-3)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7)
 """Largest last move over the length, over LONG_STEP."""
 CG_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-6)
@@ -38,8 +36,8 @@ UNIT = replace(
 )  # fmt: skip
 """Of length, rigidity and areal density 1: gravity is Gamma."""
 
-Strip = tuple[Callable[[float], Dynamics], Float, int]
-"""Dynamics under a gravity, nodes at the start, shape (n, 3), and number of triangles."""
+Strip = tuple[Callable[[float], ClothStepper], Float, int]
+"""Stepper under a gravity, nodes at the start, shape (n, 3), and number of triangles."""
 
 
 def study_cantilever(effort: Effort) -> Iterator[Chart]:
@@ -78,7 +76,7 @@ def triangles(kind: str, count: int) -> Strip:
     strip = clamped_strip(kind, WIDTH, 1.0 / count)
     level = np.column_stack((strip.points[:, 0], np.zeros(len(strip.points)), strip.points[:, 1]))
     cloth = sheet(strip.points, strip.faces, level, strip.held, UNIT)
-    return lambda gamma: triangle_dynamics(cloth, gravity=gamma), cloth.positions, len(strip.faces)
+    return lambda gamma: free_stepper(cloth, gravity=gamma), cloth.positions, len(strip.faces)
 
 
 def springs(count: int) -> Strip:
@@ -88,12 +86,12 @@ def springs(count: int) -> Strip:
     net = grid_springs(1.0 + edge, WIDTH, count + 1, rows, UNIT)
     x = np.column_stack((grid.points[:, 0] - edge, np.zeros(len(grid.points)), grid.points[:, 1]))
     held = x[:, 0] < 1e-9
-    return lambda gamma: spring_dynamics(net, held, gravity=gamma), x, len(grid.faces)
+    return lambda gamma: spring_stepper(net, x, held, free_options(gravity=gamma)), x, len(grid.faces)
 
 
-def strip_point(effort: Effort, curve: str, label: str, strip: Strip, options: NewtonOptions) -> Point:
+def strip_point(effort: Effort, curve: str, label: str, strip: Strip, solving: Solving) -> Point:
     """Let a strip sag under more and more weight."""
-    found, timing = timed(lambda: _sagged(strip, options), effort.repeats)
+    found, timing = timed(lambda: _sagged(strip, solving), effort.repeats)
     ratios, iterations = found
     errors = [100.0 * abs(ratio / ELASTICA[gamma] - 1.0) for ratio, gamma in zip(ratios, GAMMAS, strict=True)]
     effort.say(f"cantilever, {curve}, {label}: {max(errors):.3g} %, {timing.cpu:.2f} CPU s")
@@ -104,15 +102,15 @@ def strip_point(effort: Effort, curve: str, label: str, strip: Strip, options: N
     )  # fmt: skip
 
 
-def _sagged(strip: Strip, options: NewtonOptions) -> tuple[Sequence[float], int]:
+def _sagged(strip: Strip, solving: Solving) -> tuple[Sequence[float], int]:
     """Return drop over reach of the tip for all Gammas, and the Newton iterations."""
     make, x, _ = strip
     tip = np.abs(x[:, 0] - 1.0) < 1e-9
     ratios, iterations = [], 0
     for gamma in GAMMAS:
-        dynamics = make(gamma)
-        dynamics.lag(x, 0.0)
-        done = minimise(dynamics, backward_euler_stage(x, np.zeros_like(x), LONG_STEP), x, options)
-        x, iterations = done.positions, iterations + done.iterations
+        stepper = make(gamma)
+        stepper.put(x, np.zeros_like(x))
+        done = stepper.step(solving.request(LONG_STEP, LONG_STEP))
+        x, iterations = stepper.x, iterations + done.newton_iterations
         ratios.append(float(-x[tip, 1].mean() / x[tip, 0].mean()))
     return ratios, iterations

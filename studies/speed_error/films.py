@@ -7,8 +7,10 @@ from statistics import mean
 from typing import NamedTuple
 
 from toile.dressing.run.quality import COARSEST
+from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.integrator import Integrator
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import PUSHED_NEWTON, PUSHED_RISE, PUSHED_TOLERANCE, FilmPlan
-from toile.engine.film.time_steps import FilmIntegrator, backward_euler, tr_bdf2
 from toile.engine.solve.linear_system import LinearSystem
 from toile.engine.solve.preconditioner.base import Preconditioner
 from toile.engine.solve.preconditioner.block_jacobi import BlockJacobi
@@ -25,7 +27,7 @@ Change = Callable[[FilmPlan], FilmPlan]
 Preconditioning = Callable[[LinearSystem], Preconditioner]
 SECONDS = 1.0
 """Length of the films [s]: swinging down or draping, and a good part of coming to rest."""
-INTEGRATORS: dict[str, FilmIntegrator] = {"backward Euler": backward_euler, "TR-BDF2": tr_bdf2}
+INTEGRATORS: dict[str, Integrator] = {"backward Euler": backward_euler, "TR-BDF2": tr_bdf2}
 STEPS = (60, 120, 240)
 """Longest steps, per second; with them goes how far a node may move in a step."""
 PRECONDITIONERS: dict[str, Preconditioning] = {
@@ -40,7 +42,7 @@ STIFFNESS = (0.1, 1.0, 10.0)
 """Of contact, over that of the scene."""
 
 
-def in_steps(count: int, integrator: FilmIntegrator) -> Change:
+def in_steps(count: int, integrator: Integrator) -> Change:
     """Return what makes a plan's longest step 1/count s; nodes may move as far as it asks for.
 
     TR-BDF2 takes the iterations that films of garments do: with one it is not stable on fine meshes. So it

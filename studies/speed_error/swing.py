@@ -9,30 +9,37 @@ import numpy as np
 
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.run.kernels import DRAPE_KERNELS, INTEGRATOR_KERNELS, load_kernels
-from toile.engine.dynamics import Dynamics
-from toile.engine.integrators.advance import Advance, ErrorControl, advance, advance_within
-from toile.engine.integrators.backward_euler import BackwardEuler
-from toile.engine.integrators.baraff_witkin import BaraffWitkin
-from toile.engine.integrators.bdf2 import Bdf2
-from toile.engine.integrators.motion import Integrator, Motion
-from toile.engine.integrators.newton import NewtonOptions
-from toile.engine.integrators.symplectic_euler import SymplecticEuler
-from toile.engine.integrators.tr_bdf2 import TrBdf2
-from toile.engine.spring_cloth import grid_springs, spring_dynamics
-from toile.engine.triangle_dynamics import triangle_dynamics
+from toile.engine.film.advance import StepCounts
+from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.baraff_witkin import baraff_witkin
+from toile.engine.film.integrators.bdf2 import bdf2
+from toile.engine.film.integrators.integrator import Integrator
+from toile.engine.film.integrators.symplectic_euler import symplectic_euler
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
+from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
+from toile.studies.scenes.motion import (
+    LINEARISED,
+    Solving,
+    carried_on,
+    carried_within,
+    free_options,
+    free_stepper,
+)
+from toile.studies.scenes.spring_cloth import grid_springs, spring_stepper
 from toile.studies.scenes.swing import SECONDS, rms_distance, swing
 from toile.studies.speed_error.point import Bar, Chart, Effort, Point
 from toile.studies.speed_error.timed import timed
 
-SOLVED = NewtonOptions(tolerance=0.1)
+SOLVED = Solving(tolerance=0.1)
 """Of implicit steps of equal size: solved better, they end within 2 mm of the same place."""
-INTEGRATORS: dict[str, Callable[[NewtonOptions], Integrator]] = {
-    "Baraff-Witkin": lambda newton: BaraffWitkin(cg_tolerance=newton.cg_tolerance),
-    "backward Euler": lambda newton: BackwardEuler(newton=newton),
-    "BDF2": lambda newton: Bdf2(newton=newton),
-    "TR-BDF2": lambda newton: TrBdf2(newton=newton),
+METHODS: dict[str, tuple[Integrator, Solving]] = {
+    "Baraff-Witkin": (baraff_witkin, LINEARISED),
+    "backward Euler": (backward_euler, SOLVED),
+    "BDF2": (bdf2, SOLVED),
+    "TR-BDF2": (tr_bdf2, SOLVED),
 }
+"""Implicit integrators, and how exactly their steps are solved."""
 EQUAL_STEPS = {
     "Baraff-Witkin": (60, 240, 960, 1920),
     "backward Euler": (60, 240, 960, 1920),
@@ -51,33 +58,39 @@ EXACT_RATE = 2e-3
 WANTED, TIME_BAR, RATIO_BAR = 0.010, 2.0, 5.0
 """Bars: error [m] within so many CPU s; CPU time of backward Euler over that of TR-BDF2 at equal error."""
 
-Go = Callable[[Dynamics, Motion], Advance]
+Go = Callable[[ClothStepper], StepCounts]
+"""Takes a stepper along."""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A swinging sheet: how to build it anew, its start, its triangles, where it is after a second [m]."""
+    """A swinging sheet: how to build it anew at its start, its triangles, where it is after a second [m]."""
 
-    make: Callable[[], Dynamics]
-    start: Motion
+    make: Callable[[], ClothStepper]
     faces: int
     end: Float
 
     def point(self, effort: Effort, curve: str, label: str, go: Go, error: Callable[[Float], float]) -> Point:
         """Run once or more, matrices built anew; `error` [m] judges the end."""
 
-        def once() -> Advance | None:
+        def once() -> tuple[StepCounts, Float] | None:
+            stepper = self.make()
             try:
-                return go(self.make(), self.start)
+                return go(stepper), stepper.x
             except FloatingPointError:
                 return None
 
         done, timing = timed(once, effort.repeats)
-        off = inf if done is None else 1e3 * error(done.motion.positions)
+        off = inf if done is None else 1e3 * error(done[1])
         effort.say(f"swing, {curve}, {label}: {off:.3g} mm, {timing.cpu:.2f} CPU s")
-        figures = (
-            {} if done is None else {"steps": done.steps, "Newton iterations": done.newton, "CG": done.cg}
-        )
+        figures = {}
+        if done is not None:
+            counts = done[0]
+            figures = {
+                "steps": counts.steps,
+                "Newton iterations": counts.newton_iterations,
+                "CG": counts.cg_iterations,
+            }
         return Point(
             curve=curve, label=label, cpu=timing.cpu, spread=timing.spread, repeats=timing.repeats,
             error=off, faces=self.faces, figures=figures,
@@ -85,7 +98,9 @@ class Sheet:
 
     def advanced(self, go: Go) -> Float:
         """Return where nodes are at the end [m], shape (n, 3)."""
-        return go(self.make(), self.start).motion.positions
+        stepper = self.make()
+        go(stepper)
+        return stepper.x
 
 
 def study_swing(effort: Effort) -> Iterator[Chart]:
@@ -95,50 +110,52 @@ def study_swing(effort: Effort) -> Iterator[Chart]:
     yield _meshes(effort)
 
 
-def equal(integrator: Integrator, count: int) -> Go:
+def equal(integrator: Integrator, solving: Solving, count: int) -> Go:
     """Return an advance in equal steps of 1/count s."""
-    return lambda dynamics, motion: advance(integrator, dynamics, motion, SECONDS, 1.0 / count)
+    return lambda stepper: carried_on(stepper, integrator, solving, SECONDS, 1.0 / count)
 
 
 def within(name: str, rate: float, seconds: float = SECONDS) -> Go:
     """Return an advance in steps that add an error of `rate` [m/s]."""
-    control = ErrorControl(rate=rate)
-    integrator = INTEGRATORS[name](control.newton)
-    return lambda dynamics, motion: advance_within(integrator, dynamics, motion, seconds, control)
+    integrator = METHODS[name][0]
+    return lambda stepper: carried_within(stepper, integrator, seconds, rate)
 
 
 def triangles(cells: int, reference: int = 0) -> Sheet:
     """Return the sheet of triangles on cells x cells; with where `reference` explicit steps take it."""
     cloth = swing(cells)
-    start = Motion(cloth.positions, np.zeros_like(cloth.positions))
-    end = start.positions
+    end = cloth.positions
     if reference:
-        end = advance(SymplecticEuler(), triangle_dynamics(cloth), start, SECONDS, 1.0 / reference)[0][0]
-    return Sheet(lambda: triangle_dynamics(cloth), start, len(cloth.faces), end)
+        stepper = free_stepper(cloth)
+        carried_on(stepper, symplectic_euler, SOLVED, SECONDS, 1.0 / reference)
+        end = stepper.x
+    return Sheet(lambda: free_stepper(cloth), len(cloth.faces), end)
 
 
 def springs(cells: int) -> Sheet:
     """Return the sheet of springs on cells x cells."""
     cloth = swing(cells)
     net = grid_springs(1.0, 1.0, cells, cells, fabric("cotton-poplin"))
-    start = Motion(cloth.positions, np.zeros_like(cloth.positions))
-    return Sheet(lambda: spring_dynamics(net, cloth.pinned), start, len(net.faces), start.positions)
+    return Sheet(
+        lambda: spring_stepper(net, cloth.positions, cloth.pinned, free_options()), len(net.faces),
+        cloth.positions,
+    )  # fmt: skip
 
 
 def _integrators(effort: Effort) -> Chart:
     """Error against time over step sizes and error targets."""
     cells, steps = 20 if effort.quick else 50, 80_000
     sheet = triangles(cells, steps)
-    coarse = sheet.advanced(equal(SymplecticEuler(), steps // 2))
+    coarse = sheet.advanced(equal(symplectic_euler, SOLVED, steps // 2))
     effort.say(f"swing: reference of {cells} x {cells} cells is done")
 
     def error(x: Float) -> float:
         return rms_distance(x, sheet.end)
 
     points = []
-    for name, make in INTEGRATORS.items():
+    for name, (integrator, solving) in METHODS.items():
         for count in EQUAL_STEPS[name][:3] if effort.quick else EQUAL_STEPS[name]:
-            go = equal(make(SOLVED), count)
+            go = equal(integrator, solving, count)
             points.append(sheet.point(effort, f"{name}, equal steps", f"1/{count} s", go, error))
     for name in ("BDF2", "TR-BDF2"):
         for rate in RATES[:3] if effort.quick else RATES:
@@ -148,7 +165,7 @@ def _integrators(effort: Effort) -> Chart:
     points.append(
         sheet.point(
             effort, "symplectic Euler, equal steps", f"1/{explicit} s",
-            equal(SymplecticEuler(), explicit), error,
+            equal(symplectic_euler, SOLVED, explicit), error,
         )
     )  # fmt: skip
     return Chart(

@@ -1,21 +1,28 @@
 """A heavy strip held at one end: mesh, static equilibrium under its weight, how far its tip drops."""
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from toile.engine.forces.bend import Bending, bending_tensor
+from toile.engine.forces.force import Force
 from toile.engine.forces.membrane import Membrane
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.nodes import Nodes
+from toile.engine.step.options import StageClock
+from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.studies.scenes.flat_meshes import mesh
+from toile.studies.scenes.motion import free_options
 
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Corners whose coupling each of the six blocks of an element Hessian holds."""
-ITERATIONS = 400
-TOLERANCE = 1e-9
-"""Energy over Gamma^2 that the last Newton step of a sagging strip promises."""
+LONG_STEP = 1e4
+"""Of the one step in which a strip finds its rest: inertia no longer counts [s]."""
+SETTLED = StepRequest(
+    h=LONG_STEP, at_rest=False, newton=400, newton_tolerance=1e-7, cg_tolerance=1e-4, cg_iterations=20_000,
+    motion_max=inf,
+)  # fmt: skip
+"""The step of the engine that finds it, the last move less than 1e-7 of the length."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +53,14 @@ def clamped_strip(kind: str, width: float, edge: float, seed: int = 1) -> Strip:
 
 
 class ElasticStrip:
-    """A strip of length L = 1 and bending rigidity D = 1, with the engine's membrane and bending.
+    """A strip of length L = 1, rigidity D = 1, areal density 1, with the engine's forces: gravity is Gamma.
 
     Attributes
     ----------
+    membrane, bending
+        Its forces.
     node_area
-        Rest area per node, shape (n,).
+        Rest area per node, shape (n,): its mass, too.
     tip
         Nodes of the free end, shape (n,).
     """
@@ -62,6 +71,7 @@ class ElasticStrip:
         ones = np.ones(len(faces))
         rest = np.ascontiguousarray(strip.points[faces])
         self.strip = strip
+        self.stiffness = stiffness * ones
         self.membrane = Membrane(faces, rest, stiffness * ones, stiffness * ones, 0.5 * stiffness * ones)
         tensor = bending_tensor(ones, ones, ones, poisson)
         self.bending = Bending(faces, rest, tensor, count, pinned=strip.held)
@@ -69,59 +79,25 @@ class ElasticStrip:
         shares = np.bincount(faces.ravel(), np.repeat(area / 3, 3), count)
         self.node_area: Float = np.asarray(shares, np.float64)
         self.tip: Bool = np.abs(strip.points[:, 0] - 1.0) < 1e-9
-        self._bending_matrix = sp.kron(self.bending.stiffness, sp.eye(3)).tocsc()
 
     def gradient(self, x: Float, gamma: float) -> Float:
         """Gradient of the energy at positions x, shape (n, 3), under the weight gamma per area along -y."""
-        self.membrane.evaluate(x)
-        gradient = self.bending.gradient(x)
-        gradient[:, 1] += gamma * self.node_area
-        np.add.at(gradient, self.strip.faces, self.membrane.element_gradient)
+        gradient = np.zeros_like(x)
+        gradient[:, 1] = gamma * self.node_area
+        self.membrane.add_gradient(x, gradient)
+        self.bending.add_gradient(x, gradient)
         return gradient
 
-    def energy(self, x: Float, gamma: float) -> float:
-        """Energy at positions x, shape (n, 3)."""
-        weight = gamma * float(self.node_area @ x[:, 1])
-        return self.membrane.energy(x) + self.bending.energy(x) + weight
+    def settled(self, x: Float, gamma: float, pinned: Bool) -> Float:
+        """Return the equilibrium from positions x, shape (n, 3), with nodes pinned, shape (n,).
 
-    def settled(self, x: Float, gamma: float, fixed: Bool, tolerance: float) -> Float:
-        """Return the equilibrium from positions x, shape (n, 3), with coordinates fixed, shape (n, 3).
-
-        Newton steps on the projected Hessian, each shortened until the energy falls; the last one promises
-        less than `tolerance` of it.
+        One step of the engine, so long that inertia does not count.
         """
-        free = np.flatnonzero(~fixed.ravel())
-        for _ in range(ITERATIONS):
-            gradient = self.gradient(x, gamma)
-            matrix = (self._bending_matrix + self._membrane_matrix()).tocsc()[free][:, free]
-            step = np.zeros(x.size)
-            step[free] = -splu(matrix).solve(gradient.ravel()[free])
-            slope = float(step @ gradient.ravel())
-            if -slope < tolerance:
-                break
-            scale, before = 1.0, self.energy(x, gamma)
-            while (
-                self.energy(x + scale * step.reshape(-1, 3), gamma) > before + 1e-4 * scale * slope
-                and scale > 1e-6
-            ):
-                scale *= 0.5
-            x = x + scale * step.reshape(-1, 3)
-        return x
-
-    def _membrane_matrix(self) -> sp.csc_array:
-        """Hessian of the membrane where it was evaluated last, its negative part dropped."""
-        faces, blocks, count = self.strip.faces, self.membrane.element_hessian, len(self.strip.points)
-        rows, columns, values = [], [], []
-        axis = np.arange(3)
-        for pair, (a, b) in enumerate(PAIRS):
-            for i, j, block in ((a, b, blocks[:, pair]),) + (
-                ((b, a, blocks[:, pair].swapaxes(1, 2)),) if a != b else ()
-            ):
-                rows.append(np.broadcast_to(3 * faces[:, i, None, None] + axis[:, None], block.shape).ravel())
-                columns.append(np.broadcast_to(3 * faces[:, j, None, None] + axis, block.shape).ravel())
-                values.append(block.ravel())
-        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-        return sp.csc_array(sp.coo_array(entries, shape=(3 * count, 3 * count)))
+        nodes = Nodes(x, np.zeros_like(x), self.node_area, pinned)
+        forces: list[Force] = [self.membrane, self.bending]
+        stepper = ClothStepper(nodes, forces, None, free_options(gravity=gamma), StageClock())
+        stepper.step(SETTLED)
+        return stepper.x
 
 
 def equilibrium(
@@ -130,9 +106,8 @@ def equilibrium(
     """Return (drop, reach) of the tip of a strip clamped level, for increasing Gamma = weight L^3 / D."""
     elastic = ElasticStrip(strip, stiffness, poisson)
     x: Float = np.column_stack((strip.points[:, 0], np.zeros(len(strip.points)), strip.points[:, 1]))
-    fixed = np.repeat(strip.held[:, None], 3, axis=1)
     result = []
     for gamma in gammas:
-        x = elastic.settled(x, gamma, fixed, TOLERANCE * gamma**2)
+        x = elastic.settled(x, gamma, strip.held)
         result.append((float(-x[elastic.tip, 1].mean()), float(x[elastic.tip, 0].mean())))
     return result

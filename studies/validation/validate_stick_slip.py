@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toile.geometry.arrays import Bool, Float
+from toile.geometry.arrays import Float
 from toile.studies.scenes.flat_meshes import KINDS
 from toile.studies.validation.heavy_strip import ElasticStrip, clamped_strip
 from toile.studies.validation.validation_row import ValidationRow, relative_row
@@ -26,8 +26,6 @@ cos theta 1 less the push. R_x and R_y are the forces on the tip, the coefficien
 WIDTH, EDGES_PER_LENGTH = 0.1, 40
 BULGE = 0.83
 """Of the shape to start from, in roots of the push."""
-TOLERANCE = 1e-10
-"""Energy that the last Newton step promises, where a pushed strip holds about 10."""
 BAR = 3.0
 
 
@@ -44,8 +42,7 @@ def critical_friction(kind: str, gamma: float, push: float) -> float:
             strip.points[:, 1],
         )
     )
-    fixed: Bool = np.repeat((strip.held | elastic.tip)[:, None], 3, axis=1)
-    x = elastic.settled(x, gamma, fixed, tolerance=TOLERANCE)
+    x = elastic.settled(x, gamma, strip.held | elastic.tip)
     force = elastic.gradient(x, gamma)[elastic.tip].sum(axis=0)
     return float(abs(force[0]) / force[1])
 

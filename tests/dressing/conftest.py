@@ -23,7 +23,7 @@ from toile.engine.cloth.fabric import Fabric
 
 if TYPE_CHECKING:
     from toile.engine.cloth.cloth import Cloth
-    from toile.engine.step.request import StepOptions
+    from toile.engine.step.options import StepOptions
 
 
 class FakeDrape:

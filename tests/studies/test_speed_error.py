@@ -13,7 +13,8 @@ import pytest
 
 from toile.dressing.cli.main import main
 from toile.dressing.run.quality import QUALITIES
-from toile.engine.film.time_steps import backward_euler, tr_bdf2
+from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.geometry.errors import InputError
 from toile.studies.adaptive import remesh
 from toile.studies.scenes.flat_meshes import KINDS

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.batch.ledger import rows
 from toile.dressing.cli.main import main
-from toile.dressing.run.report import VOLATILE_KEYS
 
 
 def batch(*arguments: object) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 import trimesh
@@ -83,6 +84,20 @@ def test_outputs(
     assert scene.geometry["shirt"].bounds[:, 1] == pytest.approx([0.8, 1.2])
     assert np.allclose(mesh.positions[:, 1].min(), 0.8)
     assert "converged after 6 frames" in capsys.readouterr().out
+
+
+def test_more_formats(tmp_path: Path, body: Path, shirt: Path, fake_drape: FakeDrapes) -> None:
+    """In the avatar file's units, like the other files, with the panels of the report."""
+    fake_drape()
+    options = ("--units", "cm", "--up", "z", "--quality", "preview", "--format", "vtu", "--format", "inp")
+    assert dress("--avatar", body, "--garment", shirt, *options, "-o", tmp_path / "out") == 0
+    assert set(os.listdir(tmp_path / "out")) == FILES | {"shirt.vtu", "shirt.inp"}
+    read = meshio.vtu.read(tmp_path / "out" / "shirt.vtu")
+    sewn = meshio.abaqus.read(tmp_path / "out" / "shirt.inp")
+    assert read.points[:, 2].min() == pytest.approx(80.0)
+    assert np.array_equal(sewn.points, trimesh.load(tmp_path / "out" / "shirt.ply", process=False).vertices)
+    panels = json.loads((tmp_path / "out" / "report.json").read_text())["garments"][0]["panels"]
+    assert set(read.cell_data["panel"][0].tolist()) == set(range(len(panels)))
 
 
 def test_no_remesh_keeps_the_mesh_and_loads_no_kernels_for_it(

@@ -3,8 +3,9 @@ from typing import Any
 
 import pytest
 
+from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.run.progress import ProgressPrinter, ProgressState, TimeLeft, progress_text
-from toile.dressing.run.report import VOLATILE_KEYS, drape_report, report_bytes
+from toile.dressing.run.report import drape_report, report_bytes
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState
 
 FIGURES = DrapeFigures(

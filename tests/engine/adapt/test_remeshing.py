@@ -11,8 +11,9 @@ from toile.engine.adapt.remeshing import Remeshed, remesh_run, remeshed
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
-from toile.engine.step.request import StageClock, StepOptions, StepRequest
+from toile.engine.step.options import StageClock, StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.sizing.sizing import SizingOptions

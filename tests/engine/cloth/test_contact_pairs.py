@@ -8,8 +8,9 @@ import pytest
 from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.cloth.contact_pairs import BODY, node_thickness, pair_friction
-from toile.engine.step.request import StageClock, StepRequest
+from toile.engine.forces.contact_pairs import BODY, node_thickness, pair_friction
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 
 THIN = replace(SLACK, name="thin", thickness=1e-4, friction_body=0.2, friction_self=0.1)

@@ -10,10 +10,11 @@ from tests.engine.step.test_only_what_is_asked import GRAVITY, options
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import FilmPlan
 from toile.engine.film.simulate import Simulation
-from toile.engine.film.time_steps import tr_bdf2
-from toile.engine.step.request import StageClock, StepRequest
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions

@@ -9,9 +9,11 @@ import trimesh
 
 from tests.engine.step.test_only_what_is_asked import GRAVITY, SLACK, forbidden, options, sheet
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.film.integrators.backward_euler import backward_euler
+from toile.engine.film.integrators.integrator import Integrator
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import FilmFrame, FilmPlan
 from toile.engine.film.simulate import Simulation
-from toile.engine.film.time_steps import FilmIntegrator, backward_euler, tr_bdf2
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
@@ -99,7 +101,7 @@ def test_a_hanging_strip_loses_energy_all_the_time(newton: int) -> None:
     assert max(record.stretch_max) < 0.1
 
 
-def energy_kept(cloth: Cloth, integrator: FilmIntegrator, h: float, seconds: float) -> Float:
+def energy_kept(cloth: Cloth, integrator: Integrator, h: float, seconds: float) -> Float:
     """Energy of cloth that swings about its pins in a vacuum, less that at the start, per frame [J]."""
     plan = FilmPlan(
         step=replace(options(), self_contact=False), integrator=integrator, longest_step=h, newton=8,

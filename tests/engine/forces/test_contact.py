@@ -11,7 +11,8 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw, Contacts, PairFriction, evaluate_contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
-from toile.engine.step.request import StageClock, StepOptions, StepRequest
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.options import StageClock, StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float, Int
 

@@ -15,9 +15,9 @@ from toile.engine.integrators.motion import Motion
 from toile.engine.integrators.tr_bdf2 import TrBdf2
 from toile.engine.solve.assembly import scatter_gradients, scatter_hessians
 from toile.engine.solve.block_pattern import BlockPattern
-from toile.engine.spring_cloth import grid_springs, mesh_springs, spring_dynamics
 from toile.geometry.arrays import Float
 from toile.studies.scenes.flat_meshes import KINDS, mesh
+from toile.studies.scenes.spring_cloth import grid_springs, mesh_springs, spring_dynamics
 
 COTTON = fabric("cotton-poplin")
 STEP = 1e-6

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tests.engine.step.test_only_what_is_asked import GRAVITY, SLACK, options, sheet
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.wind import AirFlow, Wind
-from toile.engine.step.request import StageClock, StepRequest
+from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 
 AIR = AirFlow(velocity=(3.0, -1.0, 2.0), resistance=6.0)

@@ -14,8 +14,9 @@ from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import DrapePlan, Frame
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step import cloth_run, step
-from toile.engine.step.request import StageClock, StepOptions, StepRequest
+from toile.engine.step.options import StageClock, StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.studies.scenes.flat_meshes import mesh
 

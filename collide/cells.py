@@ -1,0 +1,95 @@
+"""Cells of a grid that a surface comes near: what lies in none of them does not cross it."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import binary_dilation
+
+from toile.geometry.arrays import Bool, Float, Int
+
+SIDE = 0.04
+"""Side of a cell [m]."""
+MOST, LONGEST = 4_000_000, 500
+"""Cells at most, all and along an axis: larger scenes have larger ones."""
+SMALL = 4
+"""Faces whose boxes overlap so many cells along an axis at most are looked at together, others one by one."""
+
+
+class Cells(NamedTuple):
+    """Marked cells of a grid.
+
+    marked: shape (a, b, c). first: number of the first cell along each axis, shape (3,). side: of a cell [m].
+    """
+
+    marked: Bool
+    first: Int
+    side: float
+
+    @staticmethod
+    def around(positions: Float, faces: Int) -> "Cells":
+        """Mark the cells that the boxes of faces (t, 3) of positions (n, 3) [m] overlap."""
+        low, high = _boxes(positions, faces)
+        size = high.max(axis=0) - low.min(axis=0)
+        side = max(SIDE, float(np.prod(size) / MOST) ** (1.0 / 3.0), float(size.max()) / LONGEST)
+        start, end = np.floor(low / side).astype(np.int64), np.floor(high / side).astype(np.int64)
+        first = start.min(axis=0)
+        start, end = start - first, end - first
+        marked = np.zeros(end.max(axis=0) + 1, bool)
+        small = (end - start < SMALL).all(axis=1)
+        for _, cells in _overlapped(start[small], end[small]):
+            marked[tuple(cells.T)] = True
+        for block in _blocks(start[~small], end[~small]):
+            marked[block] = True
+        return Cells(marked, first, side)
+
+    def grown(self) -> "Cells":
+        """Return them with all cells beside marked ones marked, too."""
+        padded = np.pad(self.marked, 1)
+        return Cells(binary_dilation(padded, np.ones((3, 3, 3), bool)), self.first - 1, self.side)
+
+    def include(self, other: "Cells") -> bool:
+        """Whether all marked cells of another grid of this kind are marked here."""
+        if self.side != other.side:
+            return False
+        cells = np.argwhere(other.marked) + (other.first - self.first)
+        inside = ((cells >= 0) & (cells < self.marked.shape)).all(axis=1)
+        return bool(inside.all() and self.marked[tuple(cells.T)].all())
+
+    def faces_within(self, vertices: Float, faces: Int) -> Int:
+        """Return the faces (t, 3) of vertices (v, 3) [m] whose boxes overlap a marked cell, shape (k,)."""
+        low, high = _boxes(vertices, faces)
+        start = np.floor(low / self.side).astype(np.int64) - self.first
+        end = np.floor(high / self.side).astype(np.int64) - self.first
+        last = np.array(self.marked.shape) - 1
+        near = np.flatnonzero(((end >= 0) & (start <= last)).all(axis=1))
+        start, end = np.maximum(start[near], 0), np.minimum(end[near], last)
+        within = np.zeros(len(near), bool)
+        small = (end - start < SMALL).all(axis=1)
+        of_small, of_large = np.flatnonzero(small), np.flatnonzero(~small)
+        for rows, cells in _overlapped(start[small], end[small]):
+            within[of_small[rows]] |= self.marked[tuple(cells.T)]
+        for row, block in zip(of_large, _blocks(start[~small], end[~small]), strict=True):
+            within[row] = self.marked[block].any()
+        return near[within].astype(np.int32)
+
+
+def _boxes(positions: Float, faces: Int) -> tuple[Float, Float]:
+    """Lower and upper corners of the boxes of faces [m], shapes (t, 3)."""
+    a, b, c = (positions[faces[:, corner]] for corner in range(3))
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+
+def _overlapped(start: Int, end: Int) -> Iterator[tuple[Int, Int]]:
+    """Yield cells from `start` to `end`, shapes (t, 3), a few at a time: of which boxes, and the cells."""
+    count = end - start + 1
+    for offset in np.ndindex(*(int(most) for most in count.max(axis=0, initial=0))):
+        rows = np.flatnonzero((count > offset).all(axis=1))
+        if len(rows):
+            yield rows.astype(np.int32), start[rows] + offset
+
+
+def _blocks(start: Int, end: Int) -> Iterator[tuple[slice, slice, slice]]:
+    """Yield the cells from `start` to `end`, shapes (t, 3), of one box after the other."""
+    for (a, b, c), (d, e, f) in zip(start.tolist(), end.tolist(), strict=True):
+        yield slice(a, d + 1), slice(b, e + 1), slice(c, f + 1)

@@ -1,0 +1,84 @@
+"""A motion carried on for some time: steps made, judged, kept or undone."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toile.engine.film.integrators.integrator import Ask, Integrator
+from toile.engine.film.step_sizes import StepSizes
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.options import StepOutcome
+from toile.engine.step.step import ClothStepper
+
+ROUNDING = 1e-9
+"""Share of the time to go that is rounding."""
+
+
+@dataclass
+class StepCounts:
+    """What a motion took.
+
+    `steps` counts those that were kept, `retries` those that were undone and tried again shorter, `forced`
+    steps of the shortest size that were kept although they should have been undone; iterations are those of
+    all of them.
+    """
+
+    steps: int = 0
+    retries: int = 0
+    forced: int = 0
+    newton_iterations: int = 0
+    cg_iterations: int = 0
+    simulated_seconds: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """How a stepper is taken along.
+
+    Attributes
+    ----------
+    integrator
+        How a time step is made.
+    ask
+        Returns the request of a stage of a length [s] that ends at a time [s].
+    stretch
+        Largest stretch of the cloth now.
+    driven_speed
+        Speed of what drives the cloth [m/s]: it may be faster than the cloth is yet.
+    """
+
+    integrator: Integrator
+    ask: Callable[[float, float], StepRequest]
+    stretch: Callable[[], float] = lambda: 0.0
+    driven_speed: float = 0.0
+
+
+def advance(
+    stepper: ClothStepper, way: Way, sizes: StepSizes, span: tuple[float, float], counts: StepCounts
+) -> Iterator[StepOutcome]:
+    """Take a stepper on, `span` being when it starts and for how long [s]; yield outcomes of steps kept."""
+    since, seconds = span
+    left = seconds
+    while left > ROUNDING * seconds:
+        speed = max(float(np.linalg.norm(stepper.v, axis=1).max()), way.driven_speed)
+        h = sizes.next(left, speed)
+        before, saved = way.stretch(), stepper.save()
+        outcome = way.integrator(stepper, h, _asker(way, since + seconds - left, h))
+        counts.newton_iterations += outcome.newton_iterations
+        counts.cg_iterations += outcome.cg_iterations
+        rise = way.stretch() - before
+        if not sizes.keeps(h, outcome, rise):
+            counts.retries += 1
+            stepper.restore(saved)
+            continue
+        counts.forced += sizes.forced(outcome, rise)
+        counts.steps += 1
+        counts.simulated_seconds += h
+        left -= h
+        yield outcome
+
+
+def _asker(way: Way, since: float, h: float) -> Ask:
+    """Return what asks for stages of a step of h [s] from a time [s]."""
+    return lambda length, share: way.ask(length, since + share * h)

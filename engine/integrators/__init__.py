@@ -1,1 +1,0 @@
-"""Integrators: one file each; they act on `toile.engine.dynamics.Dynamics`."""

@@ -1,0 +1,86 @@
+"""Numbers of the implicit step that do not change, and what a step did."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.force import Force
+from toile.engine.forces.wind import AirFlow
+from toile.geometry.arrays import Float
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepOptions:
+    """Numbers of the implicit step that do not change during a drape.
+
+    Attributes
+    ----------
+    gravity
+        Downward acceleration [m/s^2].
+    radius_body, radius_self
+        Contact radius against the avatar and within the cloth [m], at least: thicker fabrics have more.
+    law_body, law_self
+        Contact laws against the avatar and within the cloth.
+    friction
+        Coulomb coefficients of named pairs, where they are not those of the fabrics: see `pair_friction`.
+    growth_radius
+        Contact radius against the avatar while it grows [m]: the farther the cloth keeps ahead of the
+        growing body, the faster the body may grow.
+    slip
+        Elastic slip of friction [m]: how far a sticking contact gives before it slides.
+    self_contact
+        Whether the cloth can touch itself.
+    air
+        Wind, or still air that brakes the cloth; None is a vacuum.
+    more_forces
+        Makers of forces beside those of the cloth, called for every topology that the cloth takes on.
+    """
+
+    gravity: float
+    radius_body: float
+    radius_self: float
+    law_body: ContactLaw
+    law_self: ContactLaw
+    growth_radius: float
+    slip: float
+    self_contact: bool
+    air: AirFlow | None = None
+    friction: Mapping[frozenset[str], float] = field(default_factory=dict)
+    more_forces: tuple[Callable[[Cloth], Force], ...] = ()
+
+
+@dataclass
+class StepOutcome:
+    """What one step did: motion [m] of the nodes, iterations, how much the guard held back.
+
+    `converged` says whether the linear solver reached its tolerance in every iteration and the last iteration
+    moved no node farther than the Newton tolerance, where more than one was allowed. `error` estimates what
+    the step adds to the error of the positions, root mean square over the nodes [m]; None: not known.
+    """
+
+    moved: Float
+    converged: bool = True
+    newton_iterations: int = 0
+    cg_iterations: int = 0
+    contacts: int = 0
+    limited: int = 0
+    min_gap: float = np.inf
+    error: float | None = None
+
+
+@dataclass
+class StageClock:
+    """Seconds spent per stage, by `now`: of wall time, or of any other clock."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    now: Callable[[], float] = perf_counter
+
+    def add(self, stage: str, since: float) -> float:
+        """Book the time since `since` under `stage`; return now."""
+        now = self.now()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
+        return now
