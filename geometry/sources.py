@@ -3,6 +3,7 @@
 import hashlib
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,9 +34,9 @@ def kernel_modules(sources: Mapping[str, bytes]) -> set[str]:
     return _with_imports(sources, holders, lambda name: CONSTANT.fullmatch(name) is not None)
 
 
-def modules_behind(sources: Mapping[str, bytes], module: str) -> set[str]:
-    """Return a module and all that it imports of toile, in turn."""
-    return _with_imports(sources, [module], lambda name: True)
+def modules_behind(sources: Mapping[str, bytes], *modules: str) -> set[str]:
+    """Return modules and all that they import of toile, in turn."""
+    return _with_imports(sources, modules, lambda name: True)
 
 
 def hash_of(sources: Mapping[str, bytes], modules: Iterable[str], *more: str) -> str:
@@ -54,13 +55,21 @@ def _with_imports(
     found = set(start)
     pending = list(found)
     while pending:
-        for target, names in IMPORT.findall(sources[pending.pop()]):
-            home = target.decode()
-            for name in re.findall(r"(\w+)(?: as \w+)?", re.sub(r"#.*", "", names.decode())):
-                inner = f"{home}.{name}"
-                module = inner if inner in sources else home
-                wanted = module == inner or counts(name)
-                if wanted and module in sources and module not in found:
-                    found.add(module)
-                    pending.append(module)
+        for home, name in _imports(sources[pending.pop()]):
+            inner = f"{home}.{name}"
+            module = inner if inner in sources else home
+            wanted = module == inner or counts(name)
+            if wanted and module in sources and module not in found:
+                found.add(module)
+                pending.append(module)
     return found
+
+
+@cache
+def _imports(text: bytes) -> list[tuple[str, str]]:
+    """Return what a module's text imports of toile, as pairs of a module and a name in it."""
+    return [
+        (home.decode(), name)
+        for home, names in IMPORT.findall(text)
+        for name in re.findall(r"(\w+)(?: as \w+)?", re.sub(r"#.*", "", names.decode()))
+    ]

@@ -48,18 +48,26 @@ def test_modules_come_after_those_they_import() -> None:
     """The process at the front of a list must not compile what the one at its end begins with."""
     sources = read_sources()
     groups = (kernels.PANEL_KERNELS, kernels.REMESH_KERNELS, kernels.PICTURE_KERNELS)
-    for group in (kernels.DRAPE_KERNELS, *(kernels.DRAPE_KERNELS + group for group in groups)):
+    for group in (kernels.DRAPE_KERNELS, *groups, kernels.INTEGRATOR_KERNELS):
         for place, module in enumerate(group):
             behind = modules_behind(sources, module) & set(group)
             assert behind <= set(group[: place + 1]), f"{module} imports a later one"
 
 
-def test_what_dresses_is_listed() -> None:
-    """Whatever a drape or a film imports holds no kernel that the lists of the drape lack."""
-    sources = read_sources()
+def test_modules_are_listed_by_what_needs_them() -> None:
+    assert "toile.engine.forces.membrane" in kernels.DRAPE_KERNELS
+    assert "toile.remesh.panel.split_ears" in kernels.PANEL_KERNELS
+    assert {"toile.collide.patch_clearance", "toile.remesh.adapt.merge_patches"} <= set(
+        kernels.REMESH_KERNELS
+    )
+    assert "toile.dressing.pictures.shading" in kernels.PICTURE_KERNELS
+    assert set(kernels.INTEGRATOR_KERNELS) <= {
+        "toile.engine.forces.spring",
+        "toile.engine.forces.membrane_damping",
+    }
     listed = set(ALL_KERNELS) - set(kernels.INTEGRATOR_KERNELS)
     for module in ("toile.dressing.wear.put_on", "toile.dressing.run.follow"):
-        assert set(filter(holds_kernels, modules_behind(sources, module))) <= listed
+        assert set(filter(holds_kernels, modules_behind(read_sources(), module))) <= listed
 
 
 def stored(folder: Path) -> set[str]:
