@@ -24,7 +24,8 @@ class Job:
         if self.name != file_stem(self.name) or len(self.name) > 200:
             raise InputError(
                 f"job name {self.name!r}: use letters, digits, '_', '-' and '.', at most 200, such as "
-                f"'{file_stem(self.name)[:200]}'"
+                f"'{file_stem(self.name)[:200]}'",
+                field="name",
             )
 
 

@@ -13,7 +13,7 @@ from toile.dressing.body.avatar_units import METRES_PER_UNIT, recognise_frame, u
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 
 FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf")
 """File extensions that can hold an avatar."""
@@ -76,12 +76,19 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
         body in any unit, or cannot be closed into a solid.
     """
     path = Path(path)
+    with about(file=path):
+        return _loaded(path, units, up)
+
+
+def _loaded(path: Path, units: str | None, up: str | None) -> Avatar:
+    """Return the avatar of a file."""
     extension = path.suffix.lower()
     checked_frame_words(path.name, units, up)
     if extension not in FORMATS:
         raise InputError(
             f"{path}: unknown avatar format {extension or '(no extension)'!r}; "
-            f"export the body as one of {', '.join(FORMATS)}"
+            f"export the body as one of {', '.join(FORMATS)}",
+            file=path,
         )
     vertices, faces = read_triangles(path)
     is_gltf = extension in (".glb", ".gltf")
@@ -91,9 +98,11 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
 def checked_frame_words(file: str, units: str | None, up: str | None) -> None:
     """Raise InputError if a unit or an up axis is none that is known."""
     if units is not None and units not in METRES_PER_UNIT:
-        raise InputError(f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}")
+        raise InputError(
+            f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}", field="units"
+        )
     if up is not None and up not in ("y", "z"):
-        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"')
+        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"', field="up")
 
 
 def avatar_of(
@@ -116,16 +125,18 @@ def avatar_of(
 def read_triangles(path: Path) -> tuple[Float, Int]:
     """Vertices (v, 3) in file units and faces (f, 3) of everything in the file; unused vertices dropped."""
     if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path")
+        raise InputError(f"{path}: avatar file not found; check the path", file=path)
     if not path.stat().st_size:
-        raise InputError(f"{path}: the file is empty; export the body again")
+        raise InputError(f"{path}: the file is empty; export the body again", file=path)
     # skip_materials: textures are of no use here, and a missing one must not stop a drape.
     options: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() == ".obj" else {}
     try:
         scene = trimesh.load_scene(path, process=False, **options)
     except Exception as error:  # trimesh raises whatever its parsers stumble over
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read as a mesh ({reason}); export the body again") from error
+        raise InputError(
+            f"{path}: cannot be read as a mesh ({reason}); export the body again", file=path
+        ) from error
 
     corners: list[Float] = []
     triangles: list[Int] = []
@@ -147,7 +158,8 @@ def read_triangles(path: Path) -> tuple[Float, Int]:
         count += len(placed)
     if not triangles:
         raise InputError(
-            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh"
+            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
+            file=path,
         )
 
     vertices, faces = np.concatenate(corners), np.concatenate(triangles)
@@ -158,6 +170,7 @@ def read_triangles(path: Path) -> tuple[Float, Int]:
     if len(bad_rows):
         raise InputError(
             f"{path}: {len(bad_rows)} vertices have NaN or infinite coordinates (first: vertex "
-            f"{used[bad_rows[0]]}); clean the mesh and export it again"
+            f"{used[bad_rows[0]]}); clean the mesh and export it again",
+            file=path,
         )
     return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32)

@@ -39,7 +39,9 @@ def mesh_pattern(
         `edge_length` is not positive, or an outline crosses itself (the panel and its edges are named).
     """
     if not (math.isfinite(edge_length) and edge_length > 0.0):
-        raise InputError(f"edge_length must be a positive number of metres, got {edge_length}")
+        raise InputError(
+            f"edge_length must be a positive number of metres, got {edge_length}", field="edge_length"
+        )
     segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
     positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
     count = 0
@@ -170,7 +172,8 @@ def _border(pattern: str, panel: Panel, segments: list[int]) -> tuple[Float, boo
         a, b = (int(owner[side]) for side in crossing)
         raise InputError(
             f"{pattern}: panel '{panel.name}' crosses itself at edges {a} and {b} when cut into segments; "
-            "use a smaller edge length"
+            "use a smaller edge length",
+            field=f"pattern.panels.{panel.name}",
         )
     return polygon, signed_area(polygon) < 0.0
 
@@ -180,5 +183,7 @@ def _filled(pattern: str, panel: Panel, border: Float, edge_length: float) -> tu
     try:
         mesh = triangulate_panel(border, edge_length=edge_length)
     except ValueError as error:
-        raise InputError(f"{pattern}: panel '{panel.name}': {error}") from None
+        raise InputError(
+            f"{pattern}: panel '{panel.name}': {error}", field=f"pattern.panels.{panel.name}"
+        ) from None
     return mesh.vertices, mesh.faces

@@ -67,7 +67,8 @@ class Checkpoint:
         scene, hung, state = self._read(SCENE), self._read(HUNG), self._read(FRAME)
         if not isinstance(scene, Scene):
             raise InputError(
-                f"{self.folder.parent}: there is no run to take up; it has ended, or it never wrote here"
+                f"{self.folder.parent}: there is no run to take up; it has ended, or it never wrote here",
+                file=self.folder.parent,
             )
         return (
             scene,
@@ -85,10 +86,12 @@ class Checkpoint:
         try:
             wrote, content = pickle.loads(path.read_bytes())
         except Exception as error:  # whatever a damaged pickle may raise
-            raise InputError(f"{path}: is damaged ({type(error).__name__}); start the run anew") from None
+            raise InputError(
+                f"{path}: is damaged ({type(error).__name__}); start the run anew", file=path
+            ) from None
         if wrote != version("toile"):
             raise InputError(
-                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew"
+                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew", file=path
             )
         return content
 

@@ -31,7 +31,7 @@ from toile.dressing.run.result import DressedGarment, Record, Result, file_stem,
 from toile.dressing.run.scene import AvatarFile, MannequinSize, Scene
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, FrameState
 from toile.engine.cloth.fabric import Fabric
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 from toile.remesh.sizing.sizing import SizingOptions
 
 if TYPE_CHECKING:
@@ -230,7 +230,9 @@ def _friction_between(scene: Scene, worn: list[Fabric]) -> dict[frozenset[str], 
     for pair in scene.friction_between:
         for name in pair:
             if name not in known:
-                raise InputError(f"friction_between: {unknown_name('fabric', name, known)}")
+                raise InputError(
+                    f"friction_between: {unknown_name('fabric', name, known)}", field="friction_between"
+                )
     return {frozenset(pair): value for pair, value in scene.friction_between.items()}
 
 
@@ -276,6 +278,11 @@ def _load_kernels(scene: Scene, draws: bool, say: Say | None) -> float:
 
 def load_scene_avatar(scene: Scene) -> Avatar:
     """Return the scene's avatar, read or built."""
+    with about(field="avatar"):
+        return _avatar_of(scene)
+
+
+def _avatar_of(scene: Scene) -> Avatar:
     if isinstance(scene.avatar, Avatar):
         return scene.avatar
     if isinstance(scene.avatar, AvatarFile):
@@ -285,7 +292,9 @@ def load_scene_avatar(scene: Scene) -> Avatar:
         if file.fps is not None:
             raise InputError(
                 f"{file.path}: fps is for an avatar that moves; give an .npz, an animated .glb or a folder "
-                "of meshes"
+                "of meshes",
+                file=file.path,
+                field="fps",
             )
         return load_avatar(file.path, units=file.units, up=file.up)
     if scene.avatar is not None and not isinstance(scene.avatar, MannequinSize):
@@ -307,7 +316,7 @@ def _fabric_of(scene: Scene, wanted: str | Fabric | None) -> Fabric:
         return checked_fabric(choice)
     known = {**fabrics(), **scene.fabrics}
     if choice not in known:
-        raise InputError(unknown_name("fabric", choice, known))
+        raise InputError(unknown_name("fabric", choice, known), field="fabric")
     return checked_fabric(known[choice])
 
 

@@ -16,7 +16,7 @@ from toile.dressing.pattern.drafts import built_in, built_in_names
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.scene import Garment
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
@@ -30,9 +30,16 @@ def check_source(garment: Garment) -> None:
     if isinstance(source, GarmentMesh) or built_in_name(source):
         return
     path = Path(source)
-    if not path.suffix and not path.exists():
-        known = unknown_name("garment", str(source), built_in_names())
-        raise InputError(f"{known} (a pattern or mesh file needs its extension)")
+    with about(garment=default_name(garment), field="source"):
+        if not path.suffix and not path.exists():
+            known = unknown_name("garment", str(source), built_in_names())
+            raise InputError(f"{known} (a pattern or mesh file needs its extension)")
+        with about(file=path):
+            _check_file(path)
+
+
+def _check_file(path: Path) -> None:
+    """Raise InputError if there is no garment file of that name."""
     if path.suffix.lower() not in (".json", *MESH_FORMATS):
         kind = path.suffix or "(no extension)"
         raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
@@ -60,9 +67,11 @@ def default_name(garment: Garment) -> str:
 
 def load_garment(garment: Garment, name: str, form: DressForm, edges: SewingEdges) -> GarmentMesh:
     """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
-    mesh = replace(_mesh_of(garment, form, edges), name=name)
-    _check_place(mesh, form.avatar)
-    return turn_warp(mesh, garment.warp_angle)
+    with about(garment=name):
+        mesh = replace(_mesh_of(garment, form, edges), name=name)
+        with about(file=_file_of(garment)):
+            _check_place(mesh, form.avatar)
+        return turn_warp(mesh, garment.warp_angle)
 
 
 def pinned_vertices(mesh: GarmentMesh, pins: tuple[str | int, ...]) -> Int:
@@ -72,11 +81,17 @@ def pinned_vertices(mesh: GarmentMesh, pins: tuple[str | int, ...]) -> Int:
         if isinstance(pin, str):
             if pin not in mesh.held:
                 labels = list(mesh.held) or ["none in this garment"]
-                raise InputError(f"garment '{mesh.name}', pins: {unknown_name('label', pin, labels)}")
+                raise InputError(
+                    f"garment '{mesh.name}', pins: {unknown_name('label', pin, labels)}",
+                    field="pins",
+                    garment=mesh.name,
+                )
             found.append(mesh.held[pin].astype(np.int32))
         elif not 0 <= pin < len(mesh.positions):
             raise InputError(
-                f"garment '{mesh.name}', pins: vertex {pin} is not in 0..{len(mesh.positions) - 1}"
+                f"garment '{mesh.name}', pins: vertex {pin} is not in 0..{len(mesh.positions) - 1}",
+                field="pins",
+                garment=mesh.name,
             )
         else:
             found.append(np.array([pin], dtype=np.int32))
@@ -89,7 +104,8 @@ def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentM
         for panel in angle:
             if panel not in mesh.panel_names:
                 raise InputError(
-                    f"garment '{mesh.name}', warp_angle: {unknown_name('panel', panel, mesh.panel_names)}"
+                    f"garment '{mesh.name}', warp_angle: {unknown_name('panel', panel, mesh.panel_names)}",
+                    field="warp_angle",
                 )
         per_panel = np.array([float(angle.get(panel, 0.0)) for panel in mesh.panel_names])
     else:
@@ -102,6 +118,12 @@ def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentM
     # The axes turn counter-clockwise, so coordinates in them turn clockwise.
     turned: Float = np.stack([cosine * warp + sine * weft, cosine * weft - sine * warp], axis=-1)
     return replace(mesh, rest_corners=np.ascontiguousarray(turned))
+
+
+def _file_of(garment: Garment) -> Path | None:
+    """Return the file that a garment is read from, None if it is a built-in pattern or a mesh."""
+    source = garment.source
+    return None if isinstance(source, GarmentMesh) or built_in_name(source) else Path(source)
 
 
 def _mesh_of(garment: Garment, form: DressForm, edges: SewingEdges) -> GarmentMesh:
@@ -139,7 +161,9 @@ def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
     if wrong.any():
         raise InputError(
             f"garment '{mesh.name}': sides of face {int(wrong.argmax())} differ in uv and rest_corners; "
-            "uv of flat fabric are its pattern coordinates in metres (or set flat=False)"
+            "uv of flat fabric are its pattern coordinates in metres (or set flat=False)",
+            np.flatnonzero(wrong),
+            field="source.uv",
         )
 
 
@@ -150,7 +174,8 @@ def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:
     for index, name in enumerate(mesh.panel_names):
         used = mesh.positions[mesh.faces[mesh.panel == index].ravel()]
         if len(used):
-            _check_near(f"{where}: panel '{name}'", used, avatar.vertices, LARGEST_PANEL_DISTANCE)
+            with about(field=f"pattern.panels.{name}"):
+                _check_near(f"{where}: panel '{name}'", used, avatar.vertices, LARGEST_PANEL_DISTANCE)
     if not mesh.flat:
         from toile.dressing.garment.inside_body import faces_inside
 

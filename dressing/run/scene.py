@@ -141,7 +141,9 @@ class Scene:
         if isinstance(garments, str | Path | Garment | GarmentMesh):
             garments = (garments,)
         if not isinstance(garments, list | tuple):
-            raise InputError(f"garments must be a list of garments, got {type(garments).__name__}")
+            raise InputError(
+                f"garments must be a list of garments, got {type(garments).__name__}", field="garments"
+            )
         object.__setattr__(
             self, "garments", tuple(g if isinstance(g, Garment) else Garment(g) for g in garments)
         )
@@ -149,7 +151,10 @@ class Scene:
         if isinstance(avatar, str | Path):
             object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
         if not self.garments:
-            raise InputError("the scene has no garment: name a pattern, a mesh or a built-in such as tshirt")
+            raise InputError(
+                "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt",
+                field="garments",
+            )
         quality_preset(self.quality)
         _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
@@ -157,15 +162,20 @@ class Scene:
         _check_number("friction", self.friction, low=0.0, high=10.0)
         for pair, value in self.friction_between.items():
             if not isinstance(pair, tuple) or len(pair) != 2:
-                raise InputError(f"friction_between: a pair is two names, got {pair!r}")
-            _check_number(f"friction_between {' and '.join(map(str, pair))}", value, low=0.0, high=10.0)
+                raise InputError(
+                    f"friction_between: a pair is two names, got {pair!r}", field="friction_between"
+                )
+            _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
         _check_number("threads", self.threads, low=1, high=1024)
 
 
-def _check_number(name: str, value: float | None, *, low: float, high: float, unit: str = "") -> None:
-    """Raise InputError unless the value is None or lies in [low, high]."""
+def _check_number(
+    field: str, value: float | None, *, low: float, high: float, unit: str = "", of: str = ""
+) -> None:
+    """Raise InputError unless the value is None or lies in [low, high]; `of` says which of several."""
     if value is None:
         return
     if not isinstance(value, int | float) or not math.isfinite(value) or not low <= value <= high:
         between = f"{low:g} and {high:g} {unit}".rstrip()
-        raise InputError(f"{name} must lie between {between}, got {value!r}")
+        what = f"{field} {of}".rstrip()
+        raise InputError(f"{what} must lie between {between}, got {value!r}", field=field)

@@ -99,7 +99,9 @@ def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion
         return None
     lengths = sorted({len(motion.frames) for motion in moving})
     if len(lengths) > 1:
-        raise InputError(f"motions of pins differ in length ({lengths} frames); give all the same")
+        raise InputError(
+            f"motions of pins differ in length ({lengths} frames); give all the same", field="motion"
+        )
     parts = [
         np.zeros((lengths[0], count, 3), np.float32) if mesh.motion is None else mesh.motion.frames
         for mesh, count in zip(meshes, np.diff(origin.first).tolist(), strict=True)

@@ -171,13 +171,15 @@ def require_levels(garment: str, body: Measurements, levels: Sequence[str]) -> N
             bad = not math.isfinite(value) or (value <= 0.0 and field.name != "arm_angle")
         if bad:
             raise InputError(
-                f"{garment}: measurement {field.name} is {value}; give a positive length in metres"
+                f"{garment}: measurement {field.name} is {value}; give a positive length in metres",
+                field=f"measurements.{field.name}",
             )
     for lower, upper in itertools.pairwise(levels):
         if getattr(body, lower) >= getattr(body, upper):
             raise InputError(
                 f"{garment}: {lower} ({getattr(body, lower):.3f} m) is not below {upper} "
-                f"({getattr(body, upper):.3f} m); the draft needs a body that stands upright"
+                f"({getattr(body, upper):.3f} m); the draft needs a body that stands upright",
+                field=f"measurements.{lower}",
             )
 
 

@@ -37,7 +37,7 @@ FIGURES = DrapeFigures(
 def make(**changes: Any) -> dict[str, Any]:
     values: dict[str, Any] = {
         "status": "failed",
-        "failure": Failure(kind="Stuck", message="no way", where="panel a"),
+        "failure": Failure(kind="tangled", message="no way", where="panel a"),
         "figures": FIGURES,
         "quality": "preview",
         "options": DrapeOptions(edge_length=0.02, max_frames=100, tolerance=0.01),
@@ -54,7 +54,7 @@ def make(**changes: Any) -> dict[str, Any]:
 def test_every_promised_key_is_there() -> None:
     report = json.loads(report_bytes(make()))
     assert report["status"] == "failed"
-    assert report["failure"] == {"class": "Stuck", "message": "no way", "where": "panel a"}
+    assert report["failure"] == {"class": "tangled", "message": "no way", "where": "panel a"}
     for key in ("frames", "simulated_seconds", "wall_seconds", "cpu_seconds", "steps", "residual"):
         assert key in report
     assert report["newton_iterations"] == 60
