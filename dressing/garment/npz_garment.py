@@ -14,13 +14,15 @@ from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import garment_from_surface
+from toile.dressing.pattern.garmentcode_roles import edge_role
+from toile.dressing.pattern.roles import EdgeRole
 from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 
 HELD = "held_"
-"""Begins the names of arrays of labelled vertices, such as held_lower_interface."""
+"""Begins the names of arrays of labelled vertices, such as held_lower_interface; labels are GarmentCode's."""
 PIN_STIFFNESS = 1000.0
 """Stiffness per area of pins of weight 1 that give way [N/m^3], unless the file has another.
 
@@ -79,16 +81,31 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
     pins = _pins(path, held)
-    labels = {key.removeprefix(HELD): held[key] for key in held if key.startswith(HELD)}
+    labels = {
+        key.removeprefix(HELD): _whole(mesh.origin, np.isin(corner_vertex, held[key]))
+        for key in held
+        if key.startswith(HELD)
+    }
     mesh = replace(
         mesh,
         pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
         pull=_pull(path, held, pins, mesh.origin, corner_vertex),
-        held={key: _whole(mesh.origin, np.isin(corner_vertex, numbers)) for key, numbers in labels.items()},
+        held=labels,
+        edges=_by_role(labels),
         motion=_motion(path, held, corner_vertex),
     )
     stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
     return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
+
+
+def _by_role(labels: dict[str, Int]) -> dict[EdgeRole, Int]:
+    """Return the vertices on edges by the roles that their labels have."""
+    found: dict[EdgeRole, list[Int]] = {}
+    for label, vertices in labels.items():
+        role = edge_role(label)
+        if role is not None:
+            found.setdefault(role, []).append(vertices)
+    return {role: np.unique(np.concatenate(vertices)) for role, vertices in found.items()}
 
 
 def _read(path: Path) -> dict[str, Any]:

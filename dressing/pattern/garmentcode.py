@@ -8,12 +8,14 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from toile.dressing.pattern.garmentcode_loops import consistent_loops
+from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Point, Quadratic, Stitch
 from toile.dressing.pattern.pattern_curve import edge_length, relative_point
 from toile.dressing.pattern.pattern_outline import crossing_sides, default_segments, outline
+from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.geometry.errors import InputError, about
 
 SHORTEST_EDGE = 1e-5
@@ -171,13 +173,15 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
             f"{where} is more than {LARGEST_PANEL:g} m large with {units:g} units per metre; "
             "check its vertices and properties.units_in_meter"
         )
+    label = str(raw.get("label") or "")
     panel = Panel(
         name=name,
         vertices=tuple(corners),
         edges=tuple(edges),
         translation=(translation[0], translation[1], translation[2]),
         rotation_degrees=(rotation[0], rotation[1], rotation[2]),
-        label=str(raw.get("label") or ""),
+        label=label,
+        role=_role(raw, PanelRole, where) or panel_role(name, label),
         warp_degrees=warp,
     )
     _check_outline(panel, where)
@@ -207,7 +211,18 @@ def _edge(raw: Any, where: str, corners: list[Point], units: float, absolute: bo
         )
     with about(field="curvature"):
         curve = _curve(raw.get("curvature"), where, corners[start], corners[end], units, absolute)
-    return Edge(start, end, curve, str(raw.get("label") or ""))
+    label = str(raw.get("label") or "")
+    return Edge(start, end, curve, label, _role(raw, EdgeRole, where) or edge_role(label))
+
+
+def _role(raw: Mapping[str, Any], kind: Any, where: str) -> Any:
+    """Return the role that the file itself gives, one of those of a kind; None if it gives none."""
+    role = raw.get("role")
+    if role is not None and role not in get_args(kind):
+        raise InputError(
+            f"{where}: role must be one of {', '.join(get_args(kind))}, got {role!r}", field="role"
+        )
+    return role
 
 
 def _curve(raw: Any, where: str, start: Point, end: Point, units: float, absolute: bool) -> Curve:

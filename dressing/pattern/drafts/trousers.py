@@ -112,12 +112,14 @@ def draft_trousers(body: Measurements) -> Pattern:
         sides=front_sides,
         translation=(front_part.extension + gap / 2.0, -gap, z_front + 2.0 * gap),
         label="leg",
+        role="leg",
     )
     back = Draft(
         name="left_back",
         sides=back_sides,
         translation=(back_part.extension + gap / 2.0, -gap, z_back - 2.0 * gap),
         label="leg",
+        role="leg",
     ).turned()
     bands = [
         Draft(
@@ -125,12 +127,14 @@ def draft_trousers(body: Measurements) -> Pattern:
             sides=band_sides(_waist_pieces(front_sides), band_height),
             translation=(0.0, levels.waist, z_front + gap),
             label="body",
+            role="torso",
         ),
         Draft(
             name="back_waistband",
             sides=band_sides(_waist_pieces(back_sides), band_height),
             translation=(0.0, levels.waist, z_back - gap),
             label="body",
+            role="torso",
         ).turned(),
     ]
     half = [("front_waistband", "left_end", "back_waistband", "left_end")]

@@ -62,6 +62,9 @@ def test_a_drafted_pattern_comes_back_as_it_was(tmp_path: Path) -> None:
     assert {label: set(found) for label, found in read.held.items()} == {
         label: set(found) for label, found in drafted.held.items()
     }
+    assert {role: set(found) for role, found in read.edges.items()} == {
+        role: set(found) for role, found in drafted.edges.items()
+    }
 
 
 def test_midpoints_of_sewn_edges_are_sewn_too(tmp_path: Path) -> None:
