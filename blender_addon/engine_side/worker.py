@@ -106,18 +106,15 @@ def _draft(folder: Path) -> None:
 
     from toile.dressing.body.dress_form import DressForm
     from toile.dressing.pattern.sewing_edges import sewing_edges
-    from toile.dressing.run.dress import load_scene_avatar
-    from toile.dressing.run.garment_source import check_source, default_name, load_garment
-    from toile.dressing.run.quality import COARSEST, quality_preset
+    from toile.dressing.run.load_garment import load_garment
+    from toile.dressing.run.quality import COARSEST
+    from toile.dressing.run.resolved_scene import resolve
+    from toile.dressing.run.scene_avatar import load_scene_avatar
     from toile.dressing.run.scene_file import load_scene
 
-    scene = load_scene(folder / "scene.toml")
-    garment = scene.garments[0]
-    check_source(garment)
-    avatar = load_scene_avatar(scene)
-    finest = scene.edge_length or quality_preset(scene.quality).edge_length
-    sewn = sewing_edges(finest, COARSEST * finest)[0]
-    mesh = load_garment(garment, default_name(garment), DressForm(avatar), sewn)
+    scene = resolve(load_scene(folder / "scene.toml"))
+    sewn = sewing_edges(scene.edge_length, COARSEST * scene.edge_length)[0]
+    mesh = load_garment(scene.garments[0], DressForm(load_scene_avatar(scene.avatar)), sewn)
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
     np.savez(
         folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,

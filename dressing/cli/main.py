@@ -307,12 +307,12 @@ def _run_patterns(options: argparse.Namespace) -> int:
     from toile.dressing.body.dress_form import DressForm
     from toile.dressing.files.writers.atomic import writable_folder
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
-    from toile.dressing.run.dress import load_scene_avatar
-    from toile.dressing.run.scene import AvatarFile, Garment, Scene
+    from toile.dressing.run.scene import AvatarFile, MannequinSize
+    from toile.dressing.run.scene_avatar import load_scene_avatar
 
     folder = writable_folder(options.write)
-    avatar = None if options.avatar is None else AvatarFile(path=options.avatar)
-    form = DressForm(load_scene_avatar(Scene(garments=[Garment("tshirt")], avatar=avatar)))
+    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar)
+    form = DressForm(load_scene_avatar(source))
     for name in built_in_names():
         path = folder / f"{name}_specification.json"
         write_garmentcode(built_in(name, form.measurements), path)

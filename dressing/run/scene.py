@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
@@ -44,6 +45,10 @@ class MannequinSize:
     def given(self) -> dict[str, float]:
         """Return only the sizes that are set."""
         return {name: value for name, value in vars(self).items() if value is not None}
+
+
+AvatarSource = Avatar | AvatarFile | MannequinSize
+"""A body, or where one comes from."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +127,7 @@ class Scene:
     """
 
     garments: Sequence[Garment]
-    avatar: Avatar | AvatarFile | MannequinSize | str | Path | None = None
+    avatar: AvatarSource | str | Path | None = None
     fabric: str | Fabric | None = None
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"
@@ -167,6 +172,12 @@ class Scene:
                 )
             _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
         _check_number("threads", self.threads, low=1, high=1024)
+
+    def fabric_of(self, garment: Garment) -> str | Fabric:
+        """Return what a garment is made of: a fabric, or the name of one that may not exist."""
+        if garment.fabric is not None:
+            return garment.fabric
+        return DEFAULT_FABRIC if self.fabric is None else self.fabric
 
 
 def _check_number(

@@ -137,6 +137,12 @@ def draft_trousers(body: Measurements) -> Pattern:
             role="torso",
         ).turned(),
     ]
+    drafts = [*bands, front, back, front.mirrored(), back.mirrored()]
+    return sew("trousers", drafts, _seams(front, back), waist_notes(body))
+
+
+def _seams(front: Draft, back: Draft) -> list[tuple[str, str, str, str]]:
+    """Return all seams, those of the left leg first."""
     half = [("front_waistband", "left_end", "back_waistband", "left_end")]
     for draft in (front, back):
         band = draft.name.replace("left_", "") + "_waistband"
@@ -153,8 +159,7 @@ def draft_trousers(body: Measurements) -> Pattern:
         for part in ("front", "back")
         for name in ("centre", "crotch")
     ]
-    drafts = [*bands, front, back, front.mirrored(), back.mirrored()]
-    return sew("trousers", drafts, half + mirrored_seams(half) + middle, waist_notes(body))
+    return half + mirrored_seams(half) + middle
 
 
 def _parts(body: Measurements, scale: float, waist_girth: float) -> tuple[_Part, _Part]:
