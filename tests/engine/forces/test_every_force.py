@@ -361,6 +361,15 @@ def test_bending_counts_with_the_factor_of_the_step() -> None:
     assert stiff.gradient(case.x) == pytest.approx(4.0 * gradient)
 
 
+@pytest.mark.parametrize(("name", "moved"), [("goals", 0.1), ("moving goals", -0.2)])
+def test_goals_are_where_the_step_has_them(name: str, moved: float) -> None:
+    case = CASES[name]()
+    case.begun()
+    there = case.start + moved
+    assert case.force.energy(there) == pytest.approx(0.0, abs=1e-20)
+    assert case.force.energy(case.start) > 0.01
+
+
 def test_collisions_meet_both_the_avatar_and_cloth_in_every_way() -> None:
     """Vertices on faces and edges on edges, near and far: what the case of contact stands on."""
     case = CASES["collisions"]()
