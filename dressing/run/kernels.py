@@ -28,6 +28,7 @@ DRAPE_KERNELS = (
     "toile.collide.candidates",
     "toile.collide.cover",
     "toile.collide.merged_pairs",
+    "toile.collide.segment_hits",
     "toile.collide.search",
     "toile.collide.shrunken",
     "toile.geometry.slope_stencil",
