@@ -226,7 +226,7 @@ def test_step_sizes_follow_the_error() -> None:
 
 
 def test_stages_are_solved_as_exactly_as_their_estimates_need() -> None:
-    """For an error of 0.1 mm/s to 1 mm/s."""
+    """For an error of 0.1 mm/s to 1 mm/s, over half the length of a stage."""
     tolerances = []
 
     def noted(stepper: ClothStepper, h: float, ask: Ask) -> StepOutcome:
@@ -234,7 +234,7 @@ def test_stages_are_solved_as_exactly_as_their_estimates_need() -> None:
         return tr_bdf2(stepper, h, ask)
 
     carried_within(spring_pendulum(), noted, 0.05, 1e-4)
-    assert tolerances == pytest.approx(len(tolerances) * [1e-3])
+    assert tolerances == pytest.approx(len(tolerances) * [0.5e-3])
 
 
 @pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered:RuntimeWarning")
