@@ -20,7 +20,7 @@ import platform
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
@@ -29,21 +29,27 @@ import numpy as np
 from integrators_page import draw, page
 
 from toile.dressing.garment.fabrics import fabric
-from toile.engine.dynamics import Dynamics
-from toile.engine.integrators.advance import Advance, advance
-from toile.engine.integrators.baraff_witkin import BaraffWitkin
-from toile.engine.integrators.bdf2 import Bdf2
-from toile.engine.integrators.explicit_euler import ExplicitEuler
-from toile.engine.integrators.motion import Integrator, Motion
-from toile.engine.integrators.symplectic_euler import SymplecticEuler
-from toile.engine.step.stages import backward_euler_stage
-from toile.engine.triangle_dynamics import triangle_dynamics
-from toile.studies.scenes.spring_cloth import grid_springs, spring_dynamics
+from toile.engine.film.integrators.bdf2 import bdf2
+from toile.engine.film.integrators.explicit_euler import explicit_euler
+from toile.engine.film.integrators.integrator import Integrator
+from toile.engine.film.integrators.symplectic_euler import symplectic_euler
+from toile.engine.step.options import StageClock
+from toile.engine.step.step import ClothStepper
+from toile.studies.scenes.motion import (
+    EXACT,
+    LINEARISED,
+    Solving,
+    carried_on,
+    free_options,
+    free_stepper,
+    total_energy,
+)
+from toile.studies.scenes.spring_cloth import grid_springs, spring_stepper
 from toile.studies.scenes.swing import SECONDS, rms_distance, swing
-from toile.studies.speed_error.swing import INTEGRATORS, SOLVED, within
-from toile.studies.validation.oscillators import EXACT, loss_per_second, measured_order
+from toile.studies.speed_error.swing import METHODS, SOLVED, Go, equal, within
+from toile.studies.validation.oscillators import loss_per_second, measured_order
 
-EXPLICIT: dict[str, Integrator] = {"explicit Euler": ExplicitEuler(), "symplectic Euler": SymplecticEuler()}
+EXPLICIT: dict[str, Integrator] = {"explicit Euler": explicit_euler, "symplectic Euler": symplectic_euler}
 LONGEST = 0.1
 SWING_ENERGY = 0.104 * 9.81 / 2.0
 """What the sheet gains by falling from level to hanging straight [J]."""
@@ -51,84 +57,84 @@ SWING_ENERGY = 0.104 * 9.81 / 2.0
 
 @dataclass(frozen=True)
 class Scene:
-    """A swinging sheet: how to build it, its start, where it is after a second, how sure that is [m]."""
+    """A swinging sheet: how to build it, where it is after a second, how sure that is [m]."""
 
-    make: Callable[[], Dynamics]
-    start: Motion
+    make: Callable[[], ClothStepper]
     end: np.ndarray
     floor: float
 
 
 def triangle_scene(cells: int, reference: float) -> Scene:
     cloth = swing(cells)
-    return with_reference(lambda: triangle_dynamics(cloth), cloth.positions, reference)
+    return with_reference(lambda: free_stepper(cloth), reference)
 
 
 def spring_scene(cells: int, reference: float) -> Scene:
     cloth = swing(cells)
     net = grid_springs(1.0, 1.0, cells, cells, fabric("cotton-poplin"))
-    return with_reference(lambda: spring_dynamics(net, cloth.pinned), cloth.positions, reference)
-
-
-def with_reference(make: Callable[[], Dynamics], positions: np.ndarray, h: float) -> Scene:
-    """The reference takes steps of h [s]; twice that gives the floor."""
-    start = Motion(positions, np.zeros_like(positions))
-    coarse, end = (
-        advance(SymplecticEuler(), make(), start, SECONDS, size).motion.positions for size in (2 * h, h)
+    return with_reference(
+        lambda: spring_stepper(net, cloth.positions, cloth.pinned, free_options()), reference
     )
-    return Scene(make, start, end, rms_distance(coarse, end))
 
 
-def run(
-    scene: Scene, name: str, repeats: int, go: Callable[[Dynamics, Motion], Advance], label: str
-) -> dict[str, object]:
+def with_reference(make: Callable[[], ClothStepper], h: float) -> Scene:
+    """The reference takes steps of h [s]; twice that gives the floor."""
+    ends = []
+    for size in (2 * h, h):
+        stepper = make()
+        carried_on(stepper, symplectic_euler, SOLVED, SECONDS, size)
+        ends.append(stepper.x)
+    return Scene(make, ends[1], rms_distance(*ends))
+
+
+def run(scene: Scene, name: str, repeats: int, go: Go, label: str) -> dict[str, object]:
     """Median CPU time of some runs, building the matrices included, with error and energy lost."""
     times = []
     for _ in range(repeats):
         started = time.process_time()
-        dynamics = scene.make()
-        done = go(dynamics, scene.start)
+        stepper = scene.make()
+        counts = go(stepper)
         times.append(time.process_time() - started)
-    motion = done.motion
-    gained = dynamics.total_energy(*motion[:2]) - dynamics.total_energy(*scene.start[:2])
+    gained = total_energy(stepper) - total_energy(scene.make())
     row = {
         "integrator": name,
         "steps of": label,
-        "steps": done.steps,
-        "repeated": done.repeated,
-        "newton": done.newton,
-        "cg": done.cg,
-        "unsolved": done.unsolved,
+        "steps": counts.steps,
+        "repeated": counts.retries,
+        "newton": counts.newton_iterations,
+        "cg": counts.cg_iterations,
+        "unsolved": counts.forced,
         "cpu_s": round(median(times), 3),
         "cpu_spread_s": round(max(times) - min(times), 3),
-        "rms_m": float(f"{rms_distance(motion.positions, scene.end):.2g}"),
+        "rms_m": float(f"{rms_distance(stepper.x, scene.end):.2g}"),
         "energy_lost_percent": round(-100.0 * gained / SWING_ENERGY, 2),
     }
     print(*row.values(), sep="\t", flush=True)
     return row
 
 
-def fixed(integrator: Integrator, h: float) -> Callable[[Dynamics, Motion], Advance]:
-    return lambda dynamics, motion: advance(integrator, dynamics, motion, SECONDS, h)
-
-
-def is_stable(scene: Scene, integrator: Integrator, h: float) -> bool:
+def is_stable(scene: Scene, integrator: Integrator, solving: Solving, h: float) -> bool:
     """Whether the energy of a second in steps of h stays below its start by 1 % of the swing's."""
-    dynamics, motion = scene.make(), scene.start
-    allowed = dynamics.total_energy(*motion[:2]) + 0.01 * SWING_ENERGY
+    stepper = scene.make()
+    allowed = total_energy(stepper) + 0.01 * SWING_ENERGY
     with np.errstate(all="ignore"):
-        for _ in range(round(SECONDS / h)):
-            motion = integrator.step(dynamics, motion, h).motion
-            if not dynamics.total_energy(*motion[:2]) < allowed:
+        for step in range(round(SECONDS / h)):
+            try:
+                carried_on(stepper, integrator, solving, h, h, since=step * h)
+            except FloatingPointError:
+                return False
+            if not total_energy(stepper) < allowed:
                 return False
     return True
 
 
-def largest_stable_step(scene: Scene, integrator: Integrator, longest: float, rounds: int) -> float:
+def largest_stable_step(
+    scene: Scene, integrator: Integrator, solving: Solving, longest: float, rounds: int
+) -> float:
     """The longest of h, h/1.25, h/1.5625 ... that is stable."""
     h = longest
     for _ in range(rounds):
-        if is_stable(scene, integrator, h):
+        if is_stable(scene, integrator, solving, h):
             return h
         h /= 1.25
     return 0.0
@@ -136,13 +142,14 @@ def largest_stable_step(scene: Scene, integrator: Integrator, longest: float, ro
 
 def analytic() -> list[dict[str, object]]:
     rows = []
-    everything = EXPLICIT | {name: make(EXACT) for name, make in INTEGRATORS.items()}
-    everything["Baraff-Witkin"] = BaraffWitkin(cg_tolerance=1e-12)
+    everything = EXPLICIT | {name: integrator for name, (integrator, _) in METHODS.items()}
     for name, integrator in everything.items():
+        linearised = METHODS.get(name, (integrator, EXACT))[1] is LINEARISED
+        solving = replace(EXACT, iterations=1) if linearised else EXACT
         row = {
             "integrator": name,
-            "order": round(measured_order(integrator), 2),
-            "lost_percent_per_s": float(f"{100.0 * loss_per_second(integrator):.3g}"),
+            "order": round(measured_order(integrator, solving), 2),
+            "lost_percent_per_s": float(f"{100.0 * loss_per_second(integrator, solving):.3g}"),
         }
         rows.append(row)
         print(*row.values(), sep="\t", flush=True)
@@ -157,17 +164,16 @@ def models(quick: bool) -> tuple[list[dict[str, object]], dict[str, float]]:
         floors[model] = scene.floor
         print(f"{model}: floor {1e3 * scene.floor:.2f} mm", flush=True)
         for name, integrator in EXPLICIT.items():
-            stable = largest_stable_step(scene, integrator, 1.0 / 2000, 14)
+            stable = largest_stable_step(scene, integrator, SOLVED, 1.0 / 2000, 14)
             for h in [stable, stable / 2.0, stable / 4.0][: 1 if quick else 3] if stable else []:
-                row = run(scene, name, 1, fixed(integrator, h), f"1/{1 / h:.0f}")
+                row = run(scene, name, 1, equal(integrator, SOLVED, round(1 / h)), f"1/{1 / h:.0f}")
                 rows.append({"model": model, "largest_stable_s": round(stable, 6)} | row)
             if not stable:
                 rows.append({"model": model, "integrator": name, "largest_stable_s": 0.0})
-        for name, make_integrator in INTEGRATORS.items():
-            integrator = make_integrator(SOLVED)
-            stable = largest_stable_step(scene, integrator, LONGEST, 20)
+        for name, (integrator, solving) in METHODS.items():
+            stable = largest_stable_step(scene, integrator, solving, LONGEST, 20)
             for count in (60, 240) if quick else (30, 60, 120, 240, 480):
-                row = run(scene, name, 1, fixed(integrator, 1.0 / count), f"1/{count}")
+                row = run(scene, name, 1, equal(integrator, solving, count), f"1/{count}")
                 rows.append({"model": model, "largest_stable_s": round(stable, 6)} | row)
     return rows, floors
 
@@ -178,15 +184,14 @@ def swing_study(cells: int, quick: bool, repeats: int) -> tuple[list[dict[str, o
     print(f"swing {cells}: floor {1e3 * scene.floor:.2f} mm", flush=True)
     rows = []
     for count in (10_000,) if quick else (20_000,):
-        rows.append(
-            run(scene, "symplectic Euler", repeats, fixed(SymplecticEuler(), 1 / count), f"1/{count}")
-        )
-    counts = {name: (30, 60, 120, 240, 480) for name in INTEGRATORS}
+        go = equal(symplectic_euler, SOLVED, count)
+        rows.append(run(scene, "symplectic Euler", repeats, go, f"1/{count}"))
+    counts = {name: (30, 60, 120, 240, 480) for name in METHODS}
     if not quick:
         counts["Baraff-Witkin"] = counts["backward Euler"] = (60, 240, 960, 1920)
-    for name, make in INTEGRATORS.items():
+    for name, (integrator, solving) in METHODS.items():
         for count in counts[name]:
-            rows.append(run(scene, name, repeats, fixed(make(SOLVED), 1 / count), f"1/{count}"))
+            rows.append(run(scene, name, repeats, equal(integrator, solving, count), f"1/{count}"))
     for name in ("BDF2", "TR-BDF2"):
         for rate in (0.1, 0.03, 0.01) if quick else (0.1, 0.03, 0.01, 0.005):
             rows.append(run(scene, name, repeats, within(name, rate), f"error {1e3 * rate:g} mm/s"))
@@ -196,24 +201,21 @@ def swing_study(cells: int, quick: bool, repeats: int) -> tuple[list[dict[str, o
 def newton_step(cells: int) -> dict[str, object]:
     """CPU time of one Newton step of a hanging, swinging sheet, in milliseconds."""
     cloth = swing(cells)
-    dynamics = triangle_dynamics(cloth)
-    motion = advance(
-        Bdf2(newton=SOLVED), dynamics, Motion(cloth.positions, cloth.velocities), 0.5, 1 / 60
-    ).motion
+    stepper = free_stepper(cloth)
+    carried_on(stepper, bdf2, SOLVED, 0.5, 1 / 60)
     shares: dict[str, list[float]] = {"energy": [], "forces and matrix": [], "linear solve": []}
-    h, iterations = 1.0 / 60.0, 0
-    guess = dynamics.drifted(motion.positions, motion.velocities, h)
+    request = LINEARISED.request(1.0 / 60.0, 0.5)
+    saved, iterations = stepper.save(), 0
     for _ in range(9):
-        stage = backward_euler_stage(motion.positions, motion.velocities, h)
-        times = [time.process_time()]
-        place = dynamics.place(stage, guess)
-        times.append(time.process_time())
-        gradient = dynamics.linearise(stage, place)
-        times.append(time.process_time())
-        iterations = dynamics.newton_move(gradient, guess, 1e-2).iterations
-        times.append(time.process_time())
-        for share, spent in zip(shares.values(), np.diff(times), strict=True):
-            share.append(1e3 * float(spent))
+        started = time.process_time()
+        stepper.elastic_energy()
+        spent = [time.process_time() - started]
+        stepper.clock = StageClock(now=time.process_time)
+        iterations = stepper.step(request).cg_iterations
+        spent += [stepper.clock.seconds["assembly"], stepper.clock.seconds["solve"]]
+        for share, seconds in zip(shares.values(), spent, strict=True):
+            share.append(1e3 * seconds)
+        stepper.restore(saved)
     row: dict[str, object] = {"nodes": len(cloth.positions), "cg": iterations}
     row |= {f"{name} ms": round(median(spent), 2) for name, spent in shares.items()}
     row["ms"] = round(sum(median(spent) for spent in shares.values()), 1)
@@ -264,7 +266,7 @@ def main() -> None:
     facts["swing"] = rows
     facts["newton"] = newton_step(100)
     facts["equal_error"] = [
-        {"rms_m": error} | {f"{name} cpu_s": rounded(cpu_at(rows, name, error)) for name in INTEGRATORS}
+        {"rms_m": error} | {f"{name} cpu_s": rounded(cpu_at(rows, name, error)) for name in METHODS}
         for error in (0.06, 0.04, 0.028)
     ]
     if options.json:
@@ -273,7 +275,7 @@ def main() -> None:
         (options.out / "integrators.json").write_text(json.dumps(facts, indent=1) + "\n")
         (options.out / "integrators.md").write_text(page(facts, cells, SWING_ENERGY, LONGEST))
     if options.picture:
-        draw(facts, [*EXPLICIT, *INTEGRATORS], cells, options.picture)
+        draw(facts, [*EXPLICIT, *METHODS], cells, options.picture)
 
 
 def commit() -> str:

@@ -41,7 +41,8 @@ def main() -> None:
     record = film.run(seconds)
     cpu = time.process_time() - started
     shares = "  ".join(f"{stage} {100 * spent / cpu:.0f} %" for stage, spent in film.clock.seconds.items())
-    searches = 0 if film.stepper.search is None else film.stepper.search.rebuilds
+    collisions = film.stepper.collisions
+    searches = 0 if collisions is None else collisions.search.rebuilds
     print(
         f"{options.scene} at {1e3 * options.edge:g} mm: {record.faces[-1]} faces, {record.steps} steps "
         f"({record.retries} retries, {record.forced} forced), {record.newton_iterations} Newton, "

@@ -1,8 +1,8 @@
 """The engine's side: reads a scene folder, computes, writes frames, and speaks JSON lines.
 
 Every line is an object with one of: `say` (a sentence), `progress` (frame, max_frames, faces, contacts,
-seconds_left), `frame` (a frame is on disk), `done` (status and figures), `error` (one sentence; perhaps
-`garment` and `faces` at fault).
+seconds_left), `frame` (a frame is on disk), `done` (status and figures), `error` (one sentence;
+perhaps `garment`, `file` in the folder, `field` and `faces` at fault).
 """
 
 import json
@@ -23,7 +23,7 @@ def main(arguments: list[str]) -> int:
     try:
         (_draft if task == "draft" else _dress)(folder)
     except InputError as error:
-        _tell(error=_plain(error, folder), faces=list(error.faces), garment=_named_garment(error, folder))
+        _tell(error=_plain(error, folder), **_at_fault(error, folder))
         return 2
     except BrokenPipeError:
         return 1
@@ -46,11 +46,18 @@ def _plain(error: InputError, folder: Path) -> str:
     return " ".join(str(error).split()).replace(f"{folder}{os.sep}", "").replace(".npz", "")
 
 
-def _named_garment(error: InputError, folder: Path) -> str:
-    """Return the name of the garment that the message names, or whose file, or nothing."""
-    text = str(error)
-    found = (path.stem for path in folder.glob("*.npz") if str(path) in text or f"'{path.stem}'" in text)
-    return next(found, "")
+def _at_fault(error: InputError, folder: Path) -> dict[str, Any]:
+    """Return what an error is about, as far as it is known; files of the scene folder by their name in it."""
+    file = error.file
+    if file is not None and file.is_relative_to(folder):
+        file = file.relative_to(folder)
+    known = {
+        "garment": error.garment,
+        "file": file and str(file),
+        "field": error.field,
+        "faces": list(error.faces),
+    }
+    return {name: value for name, value in known.items() if value}
 
 
 def _dress(folder: Path) -> None:
@@ -99,18 +106,15 @@ def _draft(folder: Path) -> None:
 
     from toile.dressing.body.dress_form import DressForm
     from toile.dressing.pattern.sewing_edges import sewing_edges
-    from toile.dressing.run.dress import load_scene_avatar
-    from toile.dressing.run.garment_source import check_source, default_name, load_garment
-    from toile.dressing.run.quality import COARSEST, quality_preset
+    from toile.dressing.run.load_garment import load_garment
+    from toile.dressing.run.quality import COARSEST
+    from toile.dressing.run.resolved_scene import resolve
+    from toile.dressing.run.scene_avatar import load_scene_avatar
     from toile.dressing.run.scene_file import load_scene
 
-    scene = load_scene(folder / "scene.toml")
-    garment = scene.garments[0]
-    check_source(garment)
-    avatar = load_scene_avatar(scene)
-    finest = scene.edge_length or quality_preset(scene.quality).edge_length
-    sewn = sewing_edges(finest, COARSEST * finest)[0]
-    mesh = load_garment(garment, default_name(garment), DressForm(avatar), sewn)
+    scene = resolve(load_scene(folder / "scene.toml"))
+    sewn = sewing_edges(scene.edge_length, COARSEST * scene.edge_length)[0]
+    mesh = load_garment(scene.garments[0], DressForm(load_scene_avatar(scene.avatar)), sewn)
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
     np.savez(
         folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,

@@ -112,7 +112,7 @@ def batch(
     limits = checked_limits(job_timeout, job_memory)
     count = checked_workers(workers)
     if ship and dask is None:
-        raise InputError("ship sends files to Dask's workers; without dask there are none")
+        raise InputError("ship sends files to Dask's workers; without dask there are none", field="ship")
 
     def open_pool(lock: int) -> Pool:
         if dask is not None:
@@ -129,9 +129,13 @@ def batch(
 def checked_limits(seconds: float | None, gigabytes: float | None) -> Limits:
     """Return the limits of a job. Raises InputError if one is too small to be meant."""
     if seconds is not None and not seconds > 0.0:
-        raise InputError(f"job_timeout must be greater than zero seconds, got {seconds:g}")
+        raise InputError(
+            f"job_timeout must be greater than zero seconds, got {seconds:g}", field="job_timeout"
+        )
     if gigabytes is not None and not gigabytes >= LEAST_MEMORY:
-        raise InputError(f"job_memory must be at least {LEAST_MEMORY:g} GB, got {gigabytes:g}")
+        raise InputError(
+            f"job_memory must be at least {LEAST_MEMORY:g} GB, got {gigabytes:g}", field="job_memory"
+        )
     return Limits(seconds=seconds, memory=None if gigabytes is None else int(1e9 * gigabytes))
 
 
@@ -140,7 +144,7 @@ def checked_workers(workers: int | None) -> int:
     if workers is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not 1 <= workers <= 1024:
-        raise InputError(f"workers must lie between 1 and 1024, got {workers}")
+        raise InputError(f"workers must lie between 1 and 1024, got {workers}", field="workers")
     return workers
 
 

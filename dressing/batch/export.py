@@ -20,7 +20,9 @@ def export(folder: Path, path: Path) -> int:
     """Write all rows of a batch's ledger to a .csv or .parquet file and return their number."""
     kind = path.suffix.lower()
     if kind not in FORMATS:
-        raise InputError(f"{path}: unknown kind of table '{kind}'; use one of {', '.join(FORMATS)}")
+        raise InputError(
+            f"{path}: unknown kind of table '{kind}'; use one of {', '.join(FORMATS)}", file=path
+        )
     table = rows(folder)
     first = next(table, None)  # before the file is begun: the folder may be none of a batch
     every = chain([] if first is None else [first], table)

@@ -4,8 +4,13 @@ import errno
 import signal
 import sqlite3
 from collections.abc import Iterator
+from typing import Literal
 
-FAILURE_CLASSES = {
+from toile.dressing.wear.drape_types import FailureKind
+
+FailureClass = FailureKind | Literal["bad_input", "timeout", "memory", "crashed", "killed", "fault"]
+"""Why a job failed: as a drape does, or before or around it."""
+FAILURE_CLASSES: dict[FailureClass, str] = {
     "bad_input": "a file, name or number of the scene is at fault; the message says which",
     "open_seams": "seams did not close: the garment is too small for the body, or cloth lies in the way",
     "tangled": "triangles still cross at the end",
@@ -19,7 +24,7 @@ FAILURE_CLASSES = {
     "killed": "the process was killed from outside, as often as it was started",
     "fault": "an error in toile itself; the traceback is in logs/",
 }
-"""Class of a failure to what it means. The drape's own come from `Failure.kind`."""
+"""Class of a failure to what it means."""
 
 ATTEMPTS = 3
 """How often a job is started when its process is killed from outside."""
@@ -48,7 +53,7 @@ def _chain(error: BaseException) -> Iterator[BaseException]:
         link = link.__cause__ or link.__context__
 
 
-def death(exit_status: int, peak_memory: float, memory_limit: float | None) -> tuple[str, str]:
+def death(exit_status: int, peak_memory: float, memory_limit: float | None) -> tuple[FailureClass, str]:
     """Return the failure class and message of a process that ended without an answer.
 
     `exit_status` is negative for a signal, as in `subprocess`; memory in bytes.

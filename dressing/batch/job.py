@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from toile.dressing.body.avatar import Avatar
-from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.result import file_stem
 from toile.dressing.run.scene import AvatarFile, MannequinSize, Scene
@@ -24,7 +23,8 @@ class Job:
         if self.name != file_stem(self.name) or len(self.name) > 200:
             raise InputError(
                 f"job name {self.name!r}: use letters, digits, '_', '-' and '.', at most 200, such as "
-                f"'{file_stem(self.name)[:200]}'"
+                f"'{file_stem(self.name)[:200]}'",
+                field="name",
             )
 
 
@@ -57,9 +57,7 @@ def avatar_name(scene: Scene) -> str:
 
 def fabric_names(scene: Scene) -> str:
     """Return the names of the fabrics of the scene's garments."""
-    return " ".join(
-        _fabric_name(garment.fabric or scene.fabric) or DEFAULT_FABRIC for garment in scene.garments
-    )
+    return " ".join(_fabric_name(scene.fabric_of(garment)) for garment in scene.garments)
 
 
 def _fabric_name(fabric: str | Fabric | None) -> str:

@@ -86,7 +86,8 @@ class JobGrid:
             fitting = [path for path in matches if path == pattern or Path(path).suffix.lower() in extensions]
             if not fitting:
                 raise InputError(
-                    f"{option} {pattern!r}: no file matches; check the path, and put patterns in quotes"
+                    f"{option} {pattern!r}: no file matches; check the path, and put patterns in quotes",
+                    field=option,
                 )
             if len(fitting) < len(matches):
                 other = len(matches) - len(fitting)

@@ -28,17 +28,19 @@ class JobsFile:
         """
         self._path, self._defaults = path, dict(defaults)
         if path.suffix.lower() not in FORMATS:
-            raise InputError(f"{path}: unknown kind of jobs file; use one of {', '.join(FORMATS)}")
+            raise InputError(f"{path}: unknown kind of jobs file; use one of {', '.join(FORMATS)}", file=path)
         lines: dict[str, int] = {}
         for line, job in self._jobs():
             if job.name in lines:
                 raise InputError(
                     f"{path}, line {line}: job '{job.name}' is there twice, first in line {lines[job.name]}; "
-                    "give each a name of its own"
+                    "give each a name of its own",
+                    file=path,
+                    field="name",
                 )
             lines[job.name] = line
         if not lines:
-            raise InputError(f"{path}: holds no jobs")
+            raise InputError(f"{path}: holds no jobs", file=path)
         self._count = len(lines)
 
     def __len__(self) -> int:
@@ -57,25 +59,36 @@ class JobsFile:
                 for line, row in rows:
                     yield line, self._job(line, row)
         except FileNotFoundError:
-            raise InputError(f"{self._path}: there is no such jobs file; check the path") from None
+            raise InputError(
+                f"{self._path}: there is no such jobs file; check the path", file=self._path
+            ) from None
         except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise InputError(f"{self._path}: cannot be read as a jobs file ({error})") from None
+            raise InputError(
+                f"{self._path}: cannot be read as a jobs file ({error})", file=self._path
+            ) from None
 
     def _csv(self, file: Any) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield the rows of a table, numbers as numbers, empty cells left out."""
         reader = csv.DictReader(file, skipinitialspace=True)
         for column in reader.fieldnames or ():
             if column not in COLUMNS:
-                raise InputError(f"{self._path}, line 1: {unknown_name('column', column, COLUMNS)}")
+                raise InputError(
+                    f"{self._path}, line 1: {unknown_name('column', column, COLUMNS)}",
+                    file=self._path,
+                    field=column,
+                )
         columns = list(reader.fieldnames or ())
         if len(set(columns)) < len(columns):
             twice = next(column for column in columns if columns.count(column) > 1)
-            raise InputError(f"{self._path}, line 1: column '{twice}' is there twice")
+            raise InputError(
+                f"{self._path}, line 1: column '{twice}' is there twice", file=self._path, field=twice
+            )
         for row in reader:
             line = reader.line_num
             if None in row or None in row.values():
                 raise InputError(
-                    f"{self._path}, line {line}: has another number of cells than line 1 has columns"
+                    f"{self._path}, line {line}: has another number of cells than line 1 has columns",
+                    file=self._path,
                 )
             filled = {column: cell.strip() for column, cell in row.items() if cell.strip()}
             yield line, {column: self._value(line, column, cell) for column, cell in filled.items()}
@@ -90,7 +103,11 @@ class JobsFile:
         try:
             return int(cell) if kind is int else float(cell)
         except ValueError:
-            raise InputError(f"{self._path}, line {line}: {column} must be a number, got '{cell}'") from None
+            raise InputError(
+                f"{self._path}, line {line}: {column} must be a number, got '{cell}'",
+                file=self._path,
+                field=column,
+            ) from None
 
     def _json(self, file: Any) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield the objects of a file with one per line."""
@@ -101,12 +118,21 @@ class JobsFile:
             try:
                 row = json.loads(text)
             except ValueError as error:
-                raise InputError(f"{self._path}, line {line}: not valid JSON: {error}") from None
+                raise InputError(
+                    f"{self._path}, line {line}: not valid JSON: {error}", file=self._path
+                ) from None
             if not isinstance(row, dict):
-                raise InputError(f"{self._path}, line {line}: must be a JSON object, got {text.strip()[:40]}")
+                raise InputError(
+                    f"{self._path}, line {line}: must be a JSON object, got {text.strip()[:40]}",
+                    file=self._path,
+                )
             for key in row:
                 if key not in known:
-                    raise InputError(f"{self._path}, line {line}: {unknown_name('key', key, known)}")
+                    raise InputError(
+                        f"{self._path}, line {line}: {unknown_name('key', key, known)}",
+                        file=self._path,
+                        field=key,
+                    )
             yield line, row
 
     def _job(self, line: int, row: Mapping[str, Any]) -> Job:
@@ -125,7 +151,9 @@ class JobsFile:
             fabrics = [part.strip() for part in fabric.split(";")]
             if len(fabrics) not in (1, len(garments)):
                 raise InputError(
-                    f"{self._path}, line {line}: {len(fabrics)} fabrics for {len(garments)} garments"
+                    f"{self._path}, line {line}: {len(fabrics)} fabrics for {len(garments)} garments",
+                    file=self._path,
+                    field="fabric",
                 )
             fabrics = fabrics * len(garments) if len(fabrics) == 1 else fabrics
             garments = [{"fabric": name} | entry for name, entry in zip(fabrics, garments, strict=True)]
@@ -134,4 +162,4 @@ class JobsFile:
         try:
             return Job(str(row["name"]) if "name" in row else job_name(scene), scene)
         except InputError as error:
-            raise InputError(f"{self._path}, line {line}: {error}") from None
+            raise error.at(f"{self._path}, line {line}", file=self._path) from None

@@ -81,7 +81,9 @@ class Ledger:
         except sqlite3.DatabaseError as error:
             if isinstance(error, sqlite3.OperationalError):
                 raise
-            raise InputError(f"{folder / NAME}: is no ledger of a batch ({error}); move it away") from None
+            raise InputError(
+                f"{folder / NAME}: is no ledger of a batch ({error}); move it away", file=folder / NAME
+            ) from None
         _check_format(self._connection, folder)
 
     def begin_run(self, pid: int, total: int | None) -> None:
@@ -111,13 +113,13 @@ class Ledger:
                 "UPDATE jobs SET seen = ? WHERE name = ? AND seen <> ?", (self._run, name, self._run)
             ).rowcount
         if not changed:
-            raise InputError(f"two jobs are named '{name}'; give each a name of its own")
+            raise InputError(f"two jobs are named '{name}'; give each a name of its own", field="name")
 
     def register(self, entry: Entry) -> None:
         """Note a job, in place of what is known of one of that name."""
         row = self.row(entry.name)
         if row is not None and row["seen"] == self._run:
-            raise InputError(f"two jobs are named '{entry.name}'; give each a name of its own")
+            raise InputError(f"two jobs are named '{entry.name}'; give each a name of its own", field="name")
         values = asdict(entry) | {
             "inputs": json.dumps(entry.inputs),
             "settings": json.dumps(entry.settings),
@@ -232,13 +234,15 @@ def _reading(folder: Path) -> sqlite3.Connection:
     """Open a ledger for reading. Raises InputError if there is none."""
     path = folder / NAME
     if not path.is_file():
-        raise InputError(f"{folder}: there is no batch here (no {NAME}); give the folder of toile batch -o")
+        raise InputError(
+            f"{folder}: there is no batch here (no {NAME}); give the folder of toile batch -o", file=folder
+        )
     connection = _connect(path, "ro")
     try:
         _check_format(connection, folder)
     except sqlite3.DatabaseError as error:
         connection.close()
-        raise InputError(f"{path}: cannot be read ({error})") from None
+        raise InputError(f"{path}: cannot be read ({error})", file=path) from None
     return connection
 
 
@@ -247,7 +251,8 @@ def _check_format(connection: sqlite3.Connection, folder: Path) -> None:
     (found,) = connection.execute("PRAGMA user_version").fetchone()
     if found != FORMAT:
         raise InputError(
-            f"{folder / NAME}: has format {found}, this version of toile knows {FORMAT}; use another folder"
+            f"{folder / NAME}: has format {found}, this version of toile knows {FORMAT}; use another folder",
+            file=folder / NAME,
         )
 
 

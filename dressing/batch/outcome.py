@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from toile.dressing.batch.failure_classes import FailureClass
+
 FIGURES = {
     "status": ("TEXT", ("status",)),
     "frames": ("INTEGER", ("frames",)),
@@ -46,7 +48,7 @@ class Outcome:
     """
 
     state: Literal["done", "failed", "disk_full"]
-    failure_class: str = ""
+    failure_class: FailureClass | Literal[""] = ""
     message: str = ""
     version: str = ""
     published: bool = False

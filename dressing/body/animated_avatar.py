@@ -16,7 +16,7 @@ from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 
 DEFAULT_FPS = 24.0
 GLTF = (".glb", ".gltf")
@@ -56,9 +56,15 @@ def load_animated_avatar(
     InputError
         If something is missing, of the wrong shape or not finite, or if frames differ in their faces.
     """
+    with about(file=path):
+        return _loaded(path, units, up, fps)
+
+
+def _loaded(path: Path, units: str | None, up: str | None, fps: float | None) -> Avatar:
+    """Return the avatar of a file or folder, with its motion."""
     checked_frame_words(path.name, units, up)
     if fps is not None and not 0.0 < fps < np.inf:
-        raise InputError(f"{path}: fps must be greater than zero, got {fps:g}")
+        raise InputError(f"{path}: fps must be greater than zero, got {fps:g}", file=path, field="fps")
     own_fps: float | None = None
     said: tuple[str, ...] = ()
     is_gltf = not path.is_dir() and path.suffix.lower() in GLTF
@@ -69,11 +75,13 @@ def load_animated_avatar(
         frames, faces, own_fps = _read_folder(path) if path.is_dir() else _read_npz(path)
     if len(frames) < 2:
         raise InputError(
-            f"{path}: a motion needs two frames at least, got {len(frames)}; give a mesh instead"
+            f"{path}: a motion needs two frames at least, got {len(frames)}; give a mesh instead", file=path
         )
     bad = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
     if len(bad):
-        raise InputError(f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again")
+        raise InputError(
+            f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again", file=path
+        )
     first = np.ascontiguousarray(frames[0], np.float64)
     avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=is_gltf)
     metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
@@ -86,25 +94,34 @@ def load_animated_avatar(
 def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
     """Vertices over time in file units, faces and frames per second of an .npz file."""
     if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path")
+        raise InputError(f"{path}: avatar file not found; check the path", file=path)
     held = npz_arrays(path, "the motion")
     name = next((key for key in ("vertices", "positions") if key in held), None)
     if name is None or "faces" not in held:
         raise InputError(
             f"{path}: needs arrays `vertices` (frames, vertices, 3) and `faces` (faces, 3), "
-            f"has {', '.join(sorted(held)) or 'none'}"
+            f"has {', '.join(sorted(held)) or 'none'}",
+            file=path,
         )
     frames, faces = held[name], held["faces"]
     if frames.ndim != 3 or frames.shape[2] != 3 or not np.issubdtype(frames.dtype, np.number):
-        raise InputError(f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}")
+        raise InputError(
+            f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}",
+            file=path,
+            field=name,
+        )
     if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer) or not len(faces):
-        raise InputError(f"{path}: faces must be whole numbers of the shape (faces, 3), got {faces.shape}")
+        raise InputError(
+            f"{path}: faces must be whole numbers of the shape (faces, 3), got {faces.shape}",
+            file=path,
+            field="faces",
+        )
     check_vertex_numbers(path, faces, frames.shape[1], "export the motion again")
     fps = None
     if "fps" in held:
         fps = float(np.asarray(held["fps"]).ravel()[0])
         if not np.isfinite(fps) or fps <= 0.0:
-            raise InputError(f"{path}: fps must be greater than zero, got {fps:g}")
+            raise InputError(f"{path}: fps must be greater than zero, got {fps:g}", file=path, field="fps")
     return frames.astype(np.float32), np.ascontiguousarray(faces, np.int32), fps
 
 
@@ -115,7 +132,9 @@ def _read_folder(path: Path) -> tuple[npt.NDArray[np.float32], Int, None]:
         key=lambda file: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.name)],
     )
     if not files:
-        raise InputError(f"{path}: holds no mesh files; export one of {', '.join(FORMATS)} per frame")
+        raise InputError(
+            f"{path}: holds no mesh files; export one of {', '.join(FORMATS)} per frame", file=path
+        )
     frames: list[npt.NDArray[np.float32]] = []
     faces: Int | None = None
     for file in files:
@@ -125,7 +144,8 @@ def _read_folder(path: Path) -> tuple[npt.NDArray[np.float32], Int, None]:
         elif not np.array_equal(own, faces):
             raise InputError(
                 f"{file}: its faces differ from those of {files[0].name}; "
-                "all frames must be the same mesh in motion"
+                "all frames must be the same mesh in motion",
+                file=file,
             )
         frames.append(vertices.astype(np.float32))
     assert faces is not None

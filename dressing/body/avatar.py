@@ -15,7 +15,7 @@ from toile.dressing.files.meshio_file import read_mesh_file
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 
 FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf", *MESHIO_FORMATS)
 """File extensions that can hold an avatar."""
@@ -78,12 +78,19 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
         body in any unit, or cannot be closed into a solid.
     """
     path = Path(path)
+    with about(file=path):
+        return _loaded(path, units, up)
+
+
+def _loaded(path: Path, units: str | None, up: str | None) -> Avatar:
+    """Return the avatar of a file."""
     extension = path.suffix.lower()
     checked_frame_words(path.name, units, up)
     if extension not in FORMATS:
         raise InputError(
             f"{path}: unknown avatar format {extension or '(no extension)'!r}; "
-            f"export the body as one of {', '.join(FORMATS)}"
+            f"export the body as one of {', '.join(FORMATS)}",
+            file=path,
         )
     vertices, faces, notes = read_triangles(path)
     is_gltf = extension in (".glb", ".gltf")
@@ -94,9 +101,11 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
 def checked_frame_words(file: str, units: str | None, up: str | None) -> None:
     """Raise InputError if a unit or an up axis is none that is known."""
     if units is not None and units not in METRES_PER_UNIT:
-        raise InputError(f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}")
+        raise InputError(
+            f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}", field="units"
+        )
     if up is not None and up not in ("y", "z"):
-        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"')
+        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"', field="up")
 
 
 def avatar_of(
@@ -119,9 +128,9 @@ def avatar_of(
 def read_triangles(path: Path) -> tuple[Float, Int, tuple[str, ...]]:
     """Vertices (v, 3) in file units, without unused ones, and faces (f, 3) of everything in a file; notes."""
     if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path")
+        raise InputError(f"{path}: avatar file not found; check the path", file=path)
     if not path.stat().st_size:
-        raise InputError(f"{path}: the file is empty; export the body again")
+        raise InputError(f"{path}: the file is empty; export the body again", file=path)
     notes: tuple[str, ...] = ()
     if path.suffix.lower() in MESHIO_FORMATS:
         surface, notes = read_mesh_file(path, "the body")
@@ -134,7 +143,8 @@ def read_triangles(path: Path) -> tuple[Float, Int, tuple[str, ...]]:
     if len(bad_rows):
         raise InputError(
             f"{path}: {len(bad_rows)} vertices have NaN or infinite coordinates (first: vertex "
-            f"{used[bad_rows[0]]}); clean the mesh and export it again"
+            f"{used[bad_rows[0]]}); clean the mesh and export it again",
+            file=path,
         )
     return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32), notes
 
@@ -147,7 +157,9 @@ def _read_with_trimesh(path: Path) -> tuple[Float, Int]:
         scene = trimesh.load_scene(path, process=False, **options)
     except Exception as error:  # trimesh raises whatever its parsers stumble over
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read as a mesh ({reason}); export the body again") from error
+        raise InputError(
+            f"{path}: cannot be read as a mesh ({reason}); export the body again", file=path
+        ) from error
 
     corners: list[Float] = []
     triangles: list[Int] = []
@@ -169,7 +181,8 @@ def _read_with_trimesh(path: Path) -> tuple[Float, Int]:
         count += len(placed)
     if not triangles:
         raise InputError(
-            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh"
+            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
+            file=path,
         )
 
     vertices, faces = np.concatenate(corners), np.concatenate(triangles)

@@ -57,14 +57,16 @@ def _check(height: float, chest: float, waist: float, hip: float) -> None:
     """Raise InputError unless a figure can have these measurements [m]."""
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise InputError(
-            f"mannequin: height must be {HEIGHTS[0]:.1f} to {HEIGHTS[1]:.1f} m, got {height:g} (metres?)"
+            f"mannequin: height must be {HEIGHTS[0]:.1f} to {HEIGHTS[1]:.1f} m, got {height:g} (metres?)",
+            field="height",
         )
     for name, girth in (("chest", chest), ("waist", waist), ("hip", hip)):
         low, high = (fraction * height for fraction in GIRTHS[name])
         if not low <= girth <= high:
             raise InputError(
                 f"mannequin: {name} of a figure {height:g} m tall must be {low:.2f} to {high:.2f} m, "
-                f"got {girth:g} (metres?)"
+                f"got {girth:g} (metres?)",
+                field=name,
             )
     if not 0.55 <= waist / min(chest, hip) <= 1.4 or not 0.65 <= chest / hip <= 1.45:
         raise InputError(

@@ -37,7 +37,9 @@ class _Body:
     middle: float
 
     def error(self, reason: str) -> InputError:
-        return InputError(f"{self.name}: cannot be measured: {reason}; give the measurements by hand")
+        return InputError(
+            f"{self.name}: cannot be measured: {reason}; give the measurements by hand", field="avatar"
+        )
 
     def levels(self, low: float, high: float) -> Float:
         """Heights of cuts between two heights [m]."""
@@ -72,7 +74,10 @@ def measure(avatar: Avatar) -> Measurements:
     height = float(vertices[:, 1].max())
     band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
     if not len(band):
-        raise InputError(f"{avatar.name}: cannot be measured: it has no trunk; give the measurements by hand")
+        raise InputError(
+            f"{avatar.name}: cannot be measured: it has no trunk; give the measurements by hand",
+            field="avatar",
+        )
     middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
     body = _Body(name=avatar.name, vertices=vertices, faces=avatar.faces, height=height, middle=middle)
 

@@ -92,7 +92,7 @@ def _run_batch(options: argparse.Namespace) -> int:
     from toile.dressing.run.progress import LinePrinter
 
     if options.output is None:
-        raise InputError("give the batch's folder with -o DIR")
+        raise InputError("give the batch's folder with -o DIR", field="--output")
     jobs = _jobs_of(options)
     progress = BatchProgress(len(jobs))
     printer = LinePrinter(sys.stderr, quiet=options.quiet)
@@ -132,12 +132,15 @@ def _jobs_of(options: argparse.Namespace) -> "JobsFile | JobGrid":
     }
     if options.jobs is not None:
         if options.avatars or options.garments or options.fabrics:
-            raise InputError("--jobs names bodies, garments and fabrics itself; leave the other options out")
+            raise InputError(
+                "--jobs names bodies, garments and fabrics itself; leave the other options out",
+                field="--jobs",
+            )
         from toile.dressing.batch.jobs_file import JobsFile
 
         return JobsFile(options.jobs, given)
     if not options.garments:
-        raise InputError("nothing to dress: give --garments or --jobs")
+        raise InputError("nothing to dress: give --garments or --jobs", field="--garments")
     from toile.dressing.batch.job_grid import JobGrid
 
     return JobGrid(options.avatars, options.garments, options.fabrics, given)

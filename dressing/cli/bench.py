@@ -68,12 +68,13 @@ def _run_bench(options: argparse.Namespace) -> int:
 
     study = options.name[0] if options.name else ""
     if options.repeats is not None and options.repeats < 1:
-        raise InputError(f"--repeats must be at least 1, got {options.repeats}")
+        raise InputError(f"--repeats must be at least 1, got {options.repeats}", field="--repeats")
     own = OWN_OPTIONS.get(study, REPORT_OPTIONS)
     for option in sorted({*REPORT_OPTIONS, *chain(*OWN_OPTIONS.values())} - {*own}):
         if getattr(options, option):
             raise InputError(
-                f"--{option} is not for toile bench {study}".rstrip() + "; see toile bench --help"
+                f"--{option} is not for toile bench {study}".rstrip() + "; see toile bench --help",
+                field=f"--{option}",
             )
     if study == "compare":
         return run_compare(options.name[1:], options.ratio)

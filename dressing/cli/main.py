@@ -33,7 +33,7 @@ exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     try:
-        options = _parser().parse_args(arguments)
+        options = command_parser().parse_args(arguments)
     except SystemExit as done:
         return int(done.code or 0) if not isinstance(done.code, str) else BAD_INPUT
     try:
@@ -61,8 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
 
 
-def _parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands."""
+def command_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands; `run` of what it parses does what was asked, given all of it."""
     parser = Parser(
         prog="toile",
         description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
@@ -175,7 +175,9 @@ def _run_dress(options: argparse.Namespace) -> int:
     from toile.dressing.run.progress import ProgressPrinter
 
     if (options.output is None) == (options.resume is None):
-        raise InputError("give an output folder with -o OUTDIR, or --resume OUTDIR to go on with a run")
+        raise InputError(
+            "give an output folder with -o OUTDIR, or --resume OUTDIR to go on with a run", field="--output"
+        )
     folder = options.output or options.resume
     scene = None if options.resume else _scene_of(options)
     say = None if options.quiet else _say
@@ -222,17 +224,22 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         if (value := getattr(options, name)) is not None
     }
     if options.avatar is None and (options.units or options.up or options.fps):
-        raise InputError("--units, --up and --fps describe the file of --avatar, which is missing")
+        raise InputError(
+            "--units, --up and --fps describe the file of --avatar, which is missing", field="--avatar"
+        )
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up, fps=options.fps)
     garments = tuple(Garment(source) for source in options.garment)
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:
-            raise InputError("nothing to dress: give --garment FILE|NAME or a scene file")
+            raise InputError("nothing to dress: give --garment FILE|NAME or a scene file", field="--garment")
         return Scene(garments=garments, air=None if wind is None else Air(velocity=wind), **given)
     if options.scene.suffix.lower() != ".toml":
-        raise InputError(f"{options.scene}: a scene file ends in .toml; garments are given with --garment")
+        raise InputError(
+            f"{options.scene}: a scene file ends in .toml; garments are given with --garment",
+            file=options.scene,
+        )
     scene = load_scene(options.scene)
     if "fabric" in given:
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
@@ -271,7 +278,9 @@ def _run_mannequin(options: argparse.Namespace) -> int:
 
     output: Path = options.output
     if output.suffix.lower() not in FORMATS:
-        raise InputError(f"{output}: unknown format '{output.suffix}'; use one of {', '.join(FORMATS)}")
+        raise InputError(
+            f"{output}: unknown format '{output.suffix}'; use one of {', '.join(FORMATS)}", file=output
+        )
     from toile.dressing.body.mannequin import mannequin
 
     sizes = {
@@ -300,18 +309,18 @@ def _run_patterns(options: argparse.Namespace) -> int:
 
     if options.write is None:
         if options.avatar is not None:
-            raise InputError("--avatar drafts patterns to a body, which needs --write DIR")
+            raise InputError("--avatar drafts patterns to a body, which needs --write DIR", field="--write")
         print("\n".join(built_in_names()))
         return DONE
     from toile.dressing.body.dress_form import DressForm
     from toile.dressing.files.writers.atomic import writable_folder
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
-    from toile.dressing.run.dress import load_scene_avatar
-    from toile.dressing.run.scene import AvatarFile, Garment, Scene
+    from toile.dressing.run.scene import AvatarFile, MannequinSize
+    from toile.dressing.run.scene_avatar import load_scene_avatar
 
     folder = writable_folder(options.write)
-    avatar = None if options.avatar is None else AvatarFile(path=options.avatar)
-    form = DressForm(load_scene_avatar(Scene(garments=[Garment("tshirt")], avatar=avatar)))
+    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar)
+    form = DressForm(load_scene_avatar(source))
     for name in built_in_names():
         path = folder / f"{name}_specification.json"
         write_garmentcode(built_in(name, form.measurements), path)

@@ -25,7 +25,7 @@ def _run_measure(options: argparse.Namespace) -> int:
     """Print the measurements of a body and draw where they were taken."""
     output: Path | None = options.output
     if output is not None and output.suffix.lower() != ".svg":
-        raise InputError(f"{output}: the picture is an .svg file, which every browser shows")
+        raise InputError(f"{output}: the picture is an .svg file, which every browser shows", file=output)
     from toile.dressing.body.avatar import load_avatar
     from toile.dressing.body.measure import measure
     from toile.dressing.files.writers.atomic import writable_folder, write_atomic

@@ -53,7 +53,7 @@ def run_compare(files: Sequence[str], ratio: float | None) -> int:
         raise InputError(f"compare takes two stored reports, OLD.json and NEW.json, got {len(files)}")
     allowed = RATIO if ratio is None else ratio
     if not 1.0 <= allowed < float("inf"):
-        raise InputError(f"--ratio must be at least 1, got {allowed:g}")
+        raise InputError(f"--ratio must be at least 1, got {allowed:g}", field="--ratio")
     old, new = (read_report(Path(file)) for file in files)
     comparison = compare_reports(old, new, allowed)
     print(comparison_text(comparison, allowed))

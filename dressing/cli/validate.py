@@ -57,4 +57,6 @@ def _store(rows: "list[ValidationRow]", path: Path | None) -> None:
         write_atomic(path, (json.dumps([stored(row) for row in rows], indent=2) + "\n").encode())
     except OSError as error:
         reason = error.strerror or type(error).__name__
-        raise InputError(f"{path}: cannot be written ({reason}); choose another with --json") from None
+        raise InputError(
+            f"{path}: cannot be written ({reason}); choose another with --json", file=path
+        ) from None

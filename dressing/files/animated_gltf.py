@@ -51,7 +51,7 @@ def read_animated_gltf(path: Path, fps: float) -> SampledGltf:
     except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         # JSON of any other shape than glTF's.
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"{path}: is no valid glTF ({reason}); export it again") from error
+        raise InputError(f"{path}: is no valid glTF ({reason}); export it again", file=path) from error
 
 
 class _Motion:

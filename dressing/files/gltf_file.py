@@ -64,7 +64,7 @@ class GltfFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         if not path.is_file():
-            raise InputError(f"{path}: avatar file not found; check the path")
+            raise InputError(f"{path}: avatar file not found; check the path", file=path)
         data = path.read_bytes()
         text, self._chunk = self._chunks(data) if data[:4] == MAGIC else (data, None)
         try:
@@ -81,7 +81,7 @@ class GltfFile:
 
     def error(self, what: str, remedy: str = "; export it again") -> InputError:
         """Return the error that names the file."""
-        return InputError(f"{self.path}: {' '.join(what.split())}{remedy}")
+        return InputError(f"{self.path}: {' '.join(what.split())}{remedy}", file=self.path)
 
     def entry(self, kind: str, index: Any) -> dict[str, Any]:
         """Entry of a list of the JSON, such as accessors[7]. Raises InputError if there is none."""

@@ -16,4 +16,6 @@ def npz_arrays(path: Path, what: str) -> dict[str, Any]:
             return {name: data[name] for name in data.files}
     except (OSError, ValueError, BadZipFile, KeyError) as error:
         reason = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .npz ({reason}); export {what} again") from None
+        raise InputError(
+            f"{path}: cannot be read as .npz ({reason}); export {what} again", file=path
+        ) from None

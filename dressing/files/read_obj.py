@@ -47,7 +47,7 @@ def read_obj(path: Path) -> Surface:
                 sizes.append(len(face))
                 group_of.append(groups.setdefault(group, len(groups)))
         except ValueError as error:
-            raise InputError(f"{path}, line {number}: {error} in '{line.strip()[:60]}'") from None
+            raise InputError(f"{path}, line {number}: {error} in '{line.strip()[:60]}'", file=path) from None
     surface = Surface.from_polygons(
         positions=np.array(positions, dtype=np.float64).reshape(-1, 3),
         corners=corners,

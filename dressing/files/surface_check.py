@@ -22,7 +22,9 @@ def check_vertex_numbers(path: Path, faces: npt.NDArray[np.integer], count: int,
     """Raise InputError with the first face that refers to none of `count` vertices, and what to do."""
     outside = np.flatnonzero(((faces < 0) | (faces >= count)).any(axis=1))
     if len(outside):
-        raise InputError(f"{path}: face {outside[0]} refers to a vertex that does not exist; {remedy}")
+        raise InputError(
+            f"{path}: face {outside[0]} refers to a vertex that does not exist; {remedy}", outside, file=path
+        )
 
 
 def checked_surface(path: Path, surface: Surface) -> Surface:
@@ -69,7 +71,9 @@ def _refuse_degenerate(path: Path, positions: Float, faces: Int, file_face: Int)
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     bad = np.flatnonzero((doubled < 2.0 * SMALLEST_AREA) | (doubled < SMALLEST_HEIGHT * longest**2))
     if len(bad):
-        raise InputError(f"{path}: {_named(file_face[bad])} no area; delete or merge them", file_face[bad])
+        raise InputError(
+            f"{path}: {_named(file_face[bad])} no area; delete or merge them", file_face[bad], file=path
+        )
 
 
 def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
@@ -88,6 +92,7 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
         raise InputError(
             f"{path}: {_named(file_face[bad])} an edge with more than two faces; separate them",
             file_face[bad],
+            file=path,
         )
     pair = np.flatnonzero(key[1:] == key[:-1])
     a, b, same = owner[pair], owner[pair + 1], upward[pair] == upward[pair + 1]
@@ -111,7 +116,9 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
     if len(wrong):
         bad = np.unique(np.concatenate([a[wrong], b[wrong]]))
         raise InputError(
-            f"{path}: {_named(file_face[bad])} no consistent right side (a Moebius strip)", file_face[bad]
+            f"{path}: {_named(file_face[bad])} no consistent right side (a Moebius strip)",
+            file_face[bad],
+            file=path,
         )
     return np.flatnonzero(turned).astype(np.int32)
 

@@ -43,7 +43,7 @@ def fabric(name: str) -> Fabric:
     """Return the preset of that name. Raises InputError with the nearest names."""
     presets = fabrics()
     if name not in presets:
-        raise InputError(unknown_name("fabric", name, presets))
+        raise InputError(unknown_name("fabric", name, presets), field="fabric")
     return presets[name]
 
 
@@ -68,7 +68,7 @@ def checked_fabric(fabric: Fabric) -> Fabric:
     """Return the fabric unchanged. Raises InputError naming its first unphysical field."""
     invalid = invalid_field(fabric)
     if invalid is not None:
-        raise InputError(f"fabric '{fabric.name}': {invalid[0]} {invalid[1]}")
+        raise InputError(f"fabric '{fabric.name}': {invalid[0]} {invalid[1]}", field=f"fabric.{invalid[0]}")
     return fabric
 
 

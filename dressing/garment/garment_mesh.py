@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
@@ -31,6 +32,8 @@ class GarmentMesh:
         Panel index of every face, shape (t,).
     panel_names
         One name per panel.
+    panel_roles
+        One role per panel, None where it is not known; empty if none is.
     rest_corners
         Rest shape of every face in its (warp, weft) frame [m], shape (t, 3, 2), counter-clockwise.
     stitches
@@ -41,6 +44,8 @@ class GarmentMesh:
         One name per seam, such as "left_sleeve_f.0 - left_sleeve_b.5".
     held
         Edge label (such as "lower_interface") to the material vertices on edges that carry it.
+    edges
+        Role of edges to the material vertices on those that play it.
     flat
         True if the rest shape is flat fabric; False if it is the curved start shape itself.
     minimum_angle
@@ -65,11 +70,13 @@ class GarmentMesh:
     faces: Int
     panel: Int
     panel_names: tuple[str, ...]
+    panel_roles: tuple[PanelRole | None, ...] = ()
     rest_corners: Float
     stitches: Int
     seam: Int
     seam_names: tuple[str, ...]
     held: dict[str, Int] = field(default_factory=dict)
+    edges: dict[EdgeRole, Int] = field(default_factory=dict)
     flat: bool = True
     minimum_angle: float
     pinned: Int = field(default_factory=lambda: np.empty(0, np.int32))

@@ -65,9 +65,11 @@ def read_mesh_garment(
     """
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}")
+        raise InputError(
+            f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}", file=path
+        )
     if not path.is_file():
-        raise InputError(f"{path}: garment file not found; check the path")
+        raise InputError(f"{path}: garment file not found; check the path", file=path)
     if path.suffix.lower() == ".npz":
         from toile.dressing.garment.npz_garment import read_npz_garment
 
@@ -78,10 +80,12 @@ def read_mesh_garment(
     else:
         surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
     if not len(surface.faces):
-        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
     bad = np.flatnonzero(~np.isfinite(surface.positions).all(axis=1))
     if len(bad):
-        raise InputError(f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh")
+        raise InputError(
+            f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh", file=path
+        )
     metres = _in_metres(path, surface.positions, units, up, avatar)
     surface = checked_surface(path, replace(surface, positions=metres))
     garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
@@ -189,9 +193,13 @@ def _in_metres(
 ) -> Float:
     """Positions [m], Y up, in the first unit and axis that put the garment on the avatar."""
     if units is not None and units not in METRES_PER_UNIT:
-        raise InputError(f"{path}: unknown unit '{units}'; give one of {', '.join(METRES_PER_UNIT)}")
+        raise InputError(
+            f"{path}: unknown unit '{units}'; give one of {', '.join(METRES_PER_UNIT)}",
+            file=path,
+            field="units",
+        )
     if up is not None and up not in ("y", "z"):
-        raise InputError(f"{path}: unknown up axis '{up}'; give y or z")
+        raise InputError(f"{path}: unknown up axis '{up}'; give y or z", file=path, field="up")
     own = (avatar.metres_per_unit, avatar.up_axis) if avatar else (1.0, "y")
     every = [own, *((scale, axis) for axis in ("y", "z") for scale in METRES_PER_UNIT.values())]
     placed = [
@@ -222,7 +230,9 @@ def _read_with_trimesh(path: Path) -> Surface:
         scene = trimesh.load_scene(path, process=False)
     except Exception as error:  # trimesh raises whatever its parsers stumble over
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read as a mesh ({reason}); export the garment again") from error
+        raise InputError(
+            f"{path}: cannot be read as a mesh ({reason}); export the garment again", file=path
+        ) from error
     positions: list[Float] = []
     faces: list[npt.NDArray[np.int64]] = []
     uvs: list[Float] = []
@@ -243,7 +253,7 @@ def _read_with_trimesh(path: Path) -> Surface:
         names.append(str(node_name))
         count += len(local)
     if not faces:
-        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
     triangles = np.concatenate(faces)
     check_vertex_numbers(path, triangles, count, "repair the mesh")
     uv_all = np.concatenate(uvs)

@@ -14,13 +14,15 @@ from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import garment_from_surface
+from toile.dressing.pattern.garmentcode_roles import edge_role
+from toile.dressing.pattern.roles import EdgeRole
 from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 
 HELD = "held_"
-"""Begins the names of arrays of labelled vertices, such as held_lower_interface."""
+"""Begins the names of arrays of labelled vertices, such as held_lower_interface; labels are GarmentCode's."""
 PIN_STIFFNESS = 1000.0
 """Stiffness per area of pins of weight 1 that give way [N/m^3], unless the file has another.
 
@@ -79,16 +81,31 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
     pins = _pins(path, held)
-    labels = {key.removeprefix(HELD): held[key] for key in held if key.startswith(HELD)}
+    labels = {
+        key.removeprefix(HELD): _whole(mesh.origin, np.isin(corner_vertex, held[key]))
+        for key in held
+        if key.startswith(HELD)
+    }
     mesh = replace(
         mesh,
         pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
         pull=_pull(path, held, pins, mesh.origin, corner_vertex),
-        held={key: _whole(mesh.origin, np.isin(corner_vertex, numbers)) for key, numbers in labels.items()},
+        held=labels,
+        edges=_by_role(labels),
         motion=_motion(path, held, corner_vertex),
     )
     stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
     return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
+
+
+def _by_role(labels: dict[str, Int]) -> dict[EdgeRole, Int]:
+    """Return the vertices on edges by the roles that their labels have."""
+    found: dict[EdgeRole, list[Int]] = {}
+    for label, vertices in labels.items():
+        role = edge_role(label)
+        if role is not None:
+            found.setdefault(role, []).append(vertices)
+    return {role: np.unique(np.concatenate(vertices)) for role, vertices in found.items()}
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -96,22 +113,42 @@ def _read(path: Path) -> dict[str, Any]:
     held = npz_arrays(path, "the garment")
     for name in ("vertices", "faces"):
         if name not in held:
-            raise InputError(f"{path}: lacks the array `{name}`; it has {', '.join(sorted(held)) or 'none'}")
+            raise InputError(
+                f"{path}: lacks the array `{name}`; it has {', '.join(sorted(held)) or 'none'}",
+                file=path,
+                field=name,
+            )
     if ("uv" in held) != ("uv_faces" in held):
-        raise InputError(f"{path}: `uv` and `uv_faces` belong together; give both or none")
+        raise InputError(
+            f"{path}: `uv` and `uv_faces` belong together; give both or none", file=path, field="uv"
+        )
     for name, array in held.items():
         wanted = (None,) if name.startswith(HELD) else SHAPES.get(name)
         if wanted is None:
-            raise InputError(f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)} and {HELD}LABEL")
+            raise InputError(
+                f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)} and {HELD}LABEL",
+                file=path,
+                field=name,
+            )
         fits = len(wanted) == array.ndim and all(
             want in (None, have) for want, have in zip(wanted, array.shape, strict=True)
         )
         if not fits or array.dtype.kind not in "biuf":
-            raise InputError(f"{path}: `{name}` must hold numbers of shape {wanted}, has {array.shape}")
+            raise InputError(
+                f"{path}: `{name}` must hold numbers of shape {wanted}, has {array.shape}",
+                file=path,
+                field=name,
+            )
         if array.dtype.kind == "f" and not np.isfinite(array).all():
-            raise InputError(f"{path}: `{name}` has NaN or infinite values; export the garment again")
+            raise InputError(
+                f"{path}: `{name}` has NaN or infinite values; export the garment again",
+                file=path,
+                field=name,
+            )
     if not len(held["faces"]):
-        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh")
+        raise InputError(
+            f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path, field="faces"
+        )
     return held
 
 
@@ -120,7 +157,9 @@ def _pins(path: Path, held: dict[str, Any]) -> Float:
     count = len(held["vertices"])
     pins = held.get("pins", np.zeros(count)).astype(np.float64)
     if len(pins) != count or ((pins < 0.0) | (pins > 1.0)).any():
-        raise InputError(f"{path}: `pins` must hold a weight between 0 and 1 for every vertex")
+        raise InputError(
+            f"{path}: `pins` must hold a weight between 0 and 1 for every vertex", file=path, field="pins"
+        )
     return np.asarray(pins)
 
 
@@ -128,7 +167,11 @@ def _pull(path: Path, held: dict[str, Any], pins: Float, origin: Origin, corner_
     """Return how hard material vertices are drawn to their places [N/m^3], shape (m,); None if none is."""
     stiffness = float(held.get("pin_stiffness", PIN_STIFFNESS))
     if not 0.0 <= stiffness <= STIFFEST:
-        raise InputError(f"{path}: `pin_stiffness` must lie between 0 and {STIFFEST:g} N/m^3")
+        raise InputError(
+            f"{path}: `pin_stiffness` must lie between 0 and {STIFFEST:g} N/m^3",
+            file=path,
+            field="pin_stiffness",
+        )
     gives = (pins > 0.0) & (pins < 1.0)
     if not gives.any() or not stiffness:
         return None
@@ -144,7 +187,11 @@ def _motion(path: Path, held: dict[str, Any], corner_vertex: Int) -> VertexMotio
     if "motion" not in held:
         return None
     if "fps" not in held or held["motion"].shape[1] != len(held["vertices"]) or len(held["motion"]) < 2:
-        raise InputError(f"{path}: `motion` needs `fps`, two frames at least, and a place for every vertex")
+        raise InputError(
+            f"{path}: `motion` needs `fps`, two frames at least, and a place for every vertex",
+            file=path,
+            field="motion",
+        )
     return VertexMotion(frames=held["motion"].astype(np.float32)[:, corner_vertex], fps=float(held["fps"]))
 
 
@@ -179,7 +226,7 @@ def _sewn(path: Path, mesh: GarmentMesh, stitches: Int, corner_vertex: Int) -> G
     for a, b in stitches.tolist():
         if a not in at_vertex or b not in at_vertex:
             raise InputError(f"{path}: a sewing edge ends at vertex {a if a not in at_vertex else b}, "
-                             "which has no face; remove it")  # fmt: skip
+                             "which has no face; remove it", file=path, field="stitches")  # fmt: skip
         partners.setdefault(a, []).append(b)
         partners.setdefault(b, []).append(a)
     pairs = [(at_vertex[a], at_vertex[b]) for a, b in stitches.tolist()]

@@ -1,11 +1,13 @@
 """From a sewing pattern to a triangulated garment with open seams."""
 
 import math
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
-from toile.dressing.pattern.pattern import Panel, Pattern
+from toile.dressing.pattern.pattern import Edge, Panel, Pattern
 from toile.dressing.pattern.pattern_curve import edge_length as length_of
 from toile.dressing.pattern.pattern_curve import sagitta
 from toile.dressing.pattern.pattern_outline import crossing_sides, outline, signed_area, to_world
@@ -15,6 +17,8 @@ from toile.remesh.panel.panel_mesh import triangulate_panel
 
 Segments = dict[str, list[int]]
 """Segments per edge of each panel; 0 where an edge shrinks to one vertex."""
+Key = TypeVar("Key", bound=str)
+"""Label or role of an edge."""
 
 NEGLIGIBLE = 0.2
 """Edges shorter than this part of the edge length shrink to one vertex, unless sewn to a longer one.
@@ -39,7 +43,9 @@ def mesh_pattern(
         `edge_length` is not positive, or an outline crosses itself (the panel and its edges are named).
     """
     if not (math.isfinite(edge_length) and edge_length > 0.0):
-        raise InputError(f"edge_length must be a positive number of metres, got {edge_length}")
+        raise InputError(
+            f"edge_length must be a positive number of metres, got {edge_length}", field="edge_length"
+        )
     segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
     positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
     count = 0
@@ -66,11 +72,13 @@ def mesh_pattern(
         faces=all_faces,
         panel=np.concatenate(panel_of),
         panel_names=tuple(panel.name for panel in pattern.panels),
+        panel_roles=tuple(panel.role for panel in pattern.panels),
         rest_corners=rest_corners,
         stitches=stitches,
         seam=seam,
         seam_names=tuple(stitch.name for stitch in pattern.stitches),
-        held=held_vertices(pattern, segments, first),
+        held=vertices_on(pattern, segments, first, lambda edge: edge.label),
+        edges=vertices_on(pattern, segments, first, lambda edge: edge.role),
         minimum_angle=float(np.degrees(corner_angles(rest_corners).min())),
     )
 
@@ -132,14 +140,16 @@ def edge_vertices(segments: Segments, first: dict[str, int], panel: str, edge: i
     return ((start + np.arange(counts[edge] + 1)) % sum(counts) + first[panel]).astype(np.int32)
 
 
-def held_vertices(pattern: Pattern, segments: Segments, first: dict[str, int]) -> dict[str, Int]:
-    """Edge label to the sorted vertices on edges that carry it."""
-    held: dict[str, list[Int]] = {}
+def vertices_on(
+    pattern: Pattern, segments: Segments, first: dict[str, int], key_of: Callable[[Edge], Key | None]
+) -> dict[Key, Int]:
+    """Label or role of edges, as `key_of` an edge returns, to the sorted vertices on such edges."""
+    found: dict[Key, list[Int]] = {}
     for panel in pattern.panels:
         for number, edge in enumerate(panel.edges):
-            if edge.label:
-                held.setdefault(edge.label, []).append(edge_vertices(segments, first, panel.name, number))
-    return {label: np.unique(np.concatenate(vertices)) for label, vertices in held.items()}
+            if key := key_of(edge):
+                found.setdefault(key, []).append(edge_vertices(segments, first, panel.name, number))
+    return {key: np.unique(np.concatenate(vertices)) for key, vertices in found.items()}
 
 
 def in_warp_frame(points: Float, warp_degrees: float) -> Float:
@@ -170,7 +180,8 @@ def _border(pattern: str, panel: Panel, segments: list[int]) -> tuple[Float, boo
         a, b = (int(owner[side]) for side in crossing)
         raise InputError(
             f"{pattern}: panel '{panel.name}' crosses itself at edges {a} and {b} when cut into segments; "
-            "use a smaller edge length"
+            "use a smaller edge length",
+            field=f"pattern.panels.{panel.name}",
         )
     return polygon, signed_area(polygon) < 0.0
 
@@ -180,5 +191,7 @@ def _filled(pattern: str, panel: Panel, border: Float, edge_length: float) -> tu
     try:
         mesh = triangulate_panel(border, edge_length=edge_length)
     except ValueError as error:
-        raise InputError(f"{pattern}: panel '{panel.name}': {error}") from None
+        raise InputError(
+            f"{pattern}: panel '{panel.name}': {error}", field=f"pattern.panels.{panel.name}"
+        ) from None
     return mesh.vertices, mesh.faces

@@ -8,13 +8,15 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from toile.dressing.pattern.garmentcode_loops import consistent_loops
+from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Point, Quadratic, Stitch
 from toile.dressing.pattern.pattern_curve import edge_length, relative_point
 from toile.dressing.pattern.pattern_outline import crossing_sides, default_segments, outline
-from toile.geometry.errors import InputError
+from toile.dressing.pattern.roles import EdgeRole, PanelRole
+from toile.geometry.errors import InputError, about
 
 SHORTEST_EDGE = 1e-5
 """Edges shorter than this [m] are taken for mistakes."""
@@ -35,33 +37,42 @@ def read_garmentcode(path: str | Path) -> Pattern:
         stitch refers to what does not exist or joins edges that cannot be sewn together.
     """
     path = Path(path)
+    with about(file=path):
+        return _pattern(path)
+
+
+def _pattern(path: Path) -> Pattern:
+    """Return the pattern of a file."""
     document = _load(path)
-    body = _mapping(
-        document.get("pattern"), f"{path.name}: 'pattern'", "this is not a GarmentCode specification"
-    )
+    with about(field="pattern"):
+        body = _mapping(
+            document.get("pattern"), f"{path.name}: 'pattern'", "this is not a GarmentCode specification"
+        )
     properties = document.get("properties") or {}
     if not isinstance(properties, Mapping):
-        raise InputError(f"{path.name}: 'properties' must be an object of settings")
+        raise InputError(f"{path.name}: 'properties' must be an object of settings", field="properties")
     notes: list[str] = []
     units = properties.get("units_in_meter")
     if units is None:
         units = 100.0
         notes.append("The pattern does not say its units; centimetres are assumed.")
-    units = _number(units, f"{path.name}: properties.units_in_meter")
-    if units <= 0.0:
-        raise InputError(
-            f"{path.name}: properties.units_in_meter is {units:g}; give units per metre, such as 100"
-        )
+    with about(field="properties.units_in_meter"):
+        units = _number(units, f"{path.name}: properties.units_in_meter")
+        if units <= 0.0:
+            raise InputError(
+                f"{path.name}: properties.units_in_meter is {units:g}; give units per metre, such as 100"
+            )
     absolute = properties.get("curvature_coords", "relative") == "absolute"
     recentre = properties.get("normalize_panel_translation") is True
 
-    raw_panels = _mapping(body.get("panels"), f"{path.name}: 'pattern.panels'", "give at least one panel")
-    if not raw_panels:
-        raise InputError(f"{path.name}: 'pattern.panels' is empty; give at least one panel")
-    panels = {
-        name: _panel(raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre)
-        for name, raw in raw_panels.items()
-    }
+    with about(field="pattern.panels"):
+        raw_panels = _mapping(body.get("panels"), f"{path.name}: 'pattern.panels'", "give at least one panel")
+        if not raw_panels:
+            raise InputError(f"{path.name}: 'pattern.panels' is empty; give at least one panel")
+    panels = {}
+    for name, raw in raw_panels.items():
+        with about(field=f"pattern.panels.{name}"):
+            panels[name] = _panel(raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre)
     _check_sizes(panels, path.name, units)
     order = body.get("panel_order")
     if isinstance(order, list) and sorted(map(str, order)) == sorted(panels):
@@ -77,7 +88,8 @@ def read_garmentcode(path: str | Path) -> Pattern:
 def check_pattern(pattern: Pattern) -> None:
     """Check a pattern that was not read from a file. Raises InputError as `read_garmentcode` does."""
     for panel in pattern.panels:
-        _check_outline(panel, f"{pattern.name}: panel '{panel.name}'")
+        with about(field=f"pattern.panels.{panel.name}"):
+            _check_outline(panel, f"{pattern.name}: panel '{panel.name}'")
     raw = [
         [{"panel": s.panel_a, "edge": s.edge_a}, {"panel": s.panel_b, "edge": s.edge_b}]
         for s in pattern.stitches
@@ -89,9 +101,9 @@ def _load(path: Path) -> Mapping[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(f"{path}: no such pattern file; check the path") from None
+        raise InputError(f"{path}: no such pattern file; check the path", file=path) from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: the pattern cannot be read ({error})") from None
+        raise InputError(f"{path}: the pattern cannot be read ({error})", file=path) from None
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:
@@ -113,10 +125,11 @@ def _number(value: Any, what: str) -> float:
     return float(value)
 
 
-def _numbers(value: Any, count: int, what: str) -> tuple[float, ...]:
-    if not isinstance(value, list) or len(value) != count:
-        raise InputError(f"{what} must be a list of {count} numbers, got {value!r}")
-    return tuple(_number(item, what) for item in value)
+def _numbers(value: Any, count: int, what: str, field: str | None = None) -> tuple[float, ...]:
+    with about(field=field):
+        if not isinstance(value, list) or len(value) != count:
+            raise InputError(f"{what} must be a list of {count} numbers, got {value!r}")
+        return tuple(_number(item, what) for item in value)
 
 
 def _index(value: Any, count: int, what: str, owner: str) -> int:
@@ -131,36 +144,45 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
     raw = _mapping(raw, where, "give vertices and edges")
     raw_vertices = raw.get("vertices")
     if not isinstance(raw_vertices, list) or not raw_vertices:
-        raise InputError(f"{where}: 'vertices' must be a list of [x, y] corners")
-    vertices = [_numbers(v, 2, f"{where}: vertex {i}") for i, v in enumerate(raw_vertices)]
+        raise InputError(f"{where}: 'vertices' must be a list of [x, y] corners", field="vertices")
+    vertices = [
+        _numbers(v, 2, f"{where}: vertex {i}", field=f"vertices.{i}") for i, v in enumerate(raw_vertices)
+    ]
     corners: list[Point] = [(x / units, y / units) for x, y in vertices]
-    translation = [t / units for t in _numbers(raw.get("translation", [0, 0, 0]), 3, f"{where}: translation")]
-    rotation = _numbers(raw.get("rotation", [0, 0, 0]), 3, f"{where}: rotation")
+    translation, rotation = (
+        _numbers(raw.get(key, [0, 0, 0]), 3, f"{where}: {key}", field=key)
+        for key in ("translation", "rotation")
+    )
+    translation = tuple(t / units for t in translation)
     raw_edges = raw.get("edges")
     if not isinstance(raw_edges, list) or not raw_edges:
-        raise InputError(f"{where}: 'edges' must be a list of edges")
+        raise InputError(f"{where}: 'edges' must be a list of edges", field="edges")
     edges = []
     for i, raw_edge in enumerate(raw_edges):
-        edges.append(_edge(raw_edge, f"{where}, edge {i}", corners, units, absolute))
+        with about(field=f"edges.{i}"):
+            edges.append(_edge(raw_edge, f"{where}, edge {i}", corners, units, absolute))
     if recentre:
         shift_x = sum(x for x, _ in corners) / len(corners)
         shift_y = sum(y for _, y in corners) / len(corners)
         corners = [(x - shift_x, y - shift_y) for x, y in corners]
-        translation = [translation[0] + shift_x, translation[1] + shift_y, translation[2]]
-    warp = raw.get("warp_degrees", 0.0)
+        translation = (translation[0] + shift_x, translation[1] + shift_y, translation[2])
+    with about(field="warp_degrees"):
+        warp = _number(raw.get("warp_degrees", 0.0), f"{where}: warp_degrees")
     if max(math.dist(corners[0], corner) for corner in corners) > LARGEST_PANEL:
         raise InputError(
             f"{where} is more than {LARGEST_PANEL:g} m large with {units:g} units per metre; "
             "check its vertices and properties.units_in_meter"
         )
+    label = str(raw.get("label") or "")
     panel = Panel(
         name=name,
         vertices=tuple(corners),
         edges=tuple(edges),
         translation=(translation[0], translation[1], translation[2]),
         rotation_degrees=(rotation[0], rotation[1], rotation[2]),
-        label=str(raw.get("label") or ""),
-        warp_degrees=_number(warp, f"{where}: warp_degrees"),
+        label=label,
+        role=_role(raw, PanelRole, where) or panel_role(name, label),
+        warp_degrees=warp,
     )
     _check_outline(panel, where)
     return panel
@@ -171,7 +193,8 @@ def _check_sizes(panels: Mapping[str, Panel], file: str, units: float) -> None:
     if size < SMALLEST_LARGEST:
         raise InputError(
             f"{file}: the largest panel measures {100 * size:.3g} cm with {units:g} units per metre; "
-            "check properties.units_in_meter"
+            "check properties.units_in_meter",
+            field="properties.units_in_meter",
         )
 
 
@@ -179,14 +202,27 @@ def _edge(raw: Any, where: str, corners: list[Point], units: float, absolute: bo
     raw = _mapping(raw, where, "give its endpoints")
     ends = raw.get("endpoints")
     if not isinstance(ends, list) or len(ends) != 2:
-        raise InputError(f"{where}: 'endpoints' must be two vertex numbers, got {ends!r}")
-    start, end = (_index(value, len(corners), f"{where}: endpoint", "the panel") for value in ends)
+        raise InputError(f"{where}: 'endpoints' must be two vertex numbers, got {ends!r}", field="endpoints")
+    with about(field="endpoints"):
+        start, end = (_index(value, len(corners), f"{where}: endpoint", "the panel") for value in ends)
     if math.dist(corners[start], corners[end]) < SHORTEST_EDGE:
         raise InputError(
             f"{where} has no length (vertices {start} and {end} coincide); remove it or move a vertex"
         )
-    curve = _curve(raw.get("curvature"), where, corners[start], corners[end], units, absolute)
-    return Edge(start, end, curve, str(raw.get("label") or ""))
+    with about(field="curvature"):
+        curve = _curve(raw.get("curvature"), where, corners[start], corners[end], units, absolute)
+    label = str(raw.get("label") or "")
+    return Edge(start, end, curve, label, _role(raw, EdgeRole, where) or edge_role(label))
+
+
+def _role(raw: Mapping[str, Any], kind: Any, where: str) -> Any:
+    """Return the role that the file itself gives, one of those of a kind; None if it gives none."""
+    role = raw.get("role")
+    if role is not None and role not in get_args(kind):
+        raise InputError(
+            f"{where}: role must be one of {', '.join(get_args(kind))}, got {role!r}", field="role"
+        )
+    return role
 
 
 def _curve(raw: Any, where: str, start: Point, end: Point, units: float, absolute: bool) -> Curve:
@@ -219,7 +255,8 @@ def _check_outline(panel: Panel, where: str) -> None:
         if edge.end != following.start:
             raise InputError(
                 f"{where} is not a closed loop: edge {i} ends at vertex {edge.end}, but the next one starts "
-                f"at vertex {following.start}; edges must follow each other around the panel"
+                f"at vertex {following.start}; edges must follow each other around the panel",
+                field=f"edges.{i}",
             )
     visited = [edge.start for edge in panel.edges]
     twice = sorted({v for v in visited if visited.count(v) > 1})
@@ -229,9 +266,11 @@ def _check_outline(panel: Panel, where: str) -> None:
         try:
             length = edge_length(panel, i)
         except ValueError as error:
-            raise InputError(f"{where}, edge {i}: {error}; enlarge the radius") from None
+            raise InputError(f"{where}, edge {i}: {error}; enlarge the radius", field=f"edges.{i}") from None
         if length < SHORTEST_EDGE:
-            raise InputError(f"{where}, edge {i} has no length; remove it or move a vertex")
+            raise InputError(
+                f"{where}, edge {i} has no length; remove it or move a vertex", field=f"edges.{i}"
+            )
     polygon, owner = outline(panel, default_segments(panel))
     if len(polygon) < 3:
         raise InputError(f"{where} encloses no area: it needs three edges, or two of which one is curved")
@@ -244,40 +283,47 @@ def _check_outline(panel: Panel, where: str) -> None:
 
 def _stitches(raw_stitches: Any, panels: Mapping[str, Panel], file: str) -> tuple[Stitch, ...]:
     if not isinstance(raw_stitches, list):
-        raise InputError(f"{file}: 'pattern.stitches' must be a list")
+        raise InputError(f"{file}: 'pattern.stitches' must be a list", field="pattern.stitches")
     sewn: dict[tuple[str, int], int] = {}
     stitches = []
     for number, raw in enumerate(raw_stitches):
-        where = f"{file}: stitch {number}"
-        right_wrong = isinstance(raw, list) and len(raw) == 3 and raw[2] == "right_wrong"
-        if not isinstance(raw, list) or not (len(raw) == 2 or right_wrong):
-            raise InputError(f'{where} must be two edges, optionally followed by "right_wrong"')
-        sides: list[tuple[str, int]] = []
-        for item in raw[:2]:
-            item = _mapping(item, where, "give panel and edge")
-            name = str(item.get("panel"))
-            if name not in panels:
-                known = ", ".join(sorted(panels))
-                raise InputError(
-                    f"{where} refers to panel '{name}', which does not exist; the panels are {known}"
-                )
-            edge = _index(item.get("edge"), len(panels[name].edges), f"{where}: edge", f"panel '{name}'")
-            side = (name, edge)
-            if side in sides:
-                raise InputError(
-                    f"{where} sews panel '{name}', edge {edge} to itself; name two different edges"
-                )
-            if side in sewn:
-                raise InputError(
-                    f"{where} sews panel '{name}', edge {edge} again (stitch {sewn[side]} does already); "
-                    "split the edge or remove one stitch"
-                )
-            sides.append(side)
-        sewn.update({side: number for side in sides})
-        stitch = Stitch(*sides[0], *sides[1], right_wrong)
-        _check_lengths(stitch, panels, where)
-        stitches.append(stitch)
+        with about(field=f"pattern.stitches.{number}"):
+            stitches.append(_stitch(raw, panels, f"{file}: stitch {number}", sewn))
+        sewn |= dict.fromkeys(_sides(stitches[-1]), number)
     return tuple(stitches)
+
+
+def _stitch(raw: Any, panels: Mapping[str, Panel], where: str, sewn: Mapping[tuple[str, int], int]) -> Stitch:
+    right_wrong = isinstance(raw, list) and len(raw) == 3 and raw[2] == "right_wrong"
+    if not isinstance(raw, list) or not (len(raw) == 2 or right_wrong):
+        raise InputError(f'{where} must be two edges, optionally followed by "right_wrong"')
+    sides: list[tuple[str, int]] = []
+    for item in raw[:2]:
+        item = _mapping(item, where, "give panel and edge")
+        name = str(item.get("panel"))
+        if name not in panels:
+            known = ", ".join(sorted(panels))
+            raise InputError(
+                f"{where} refers to panel '{name}', which does not exist; the panels are {known}"
+            )
+        edge = _index(item.get("edge"), len(panels[name].edges), f"{where}: edge", f"panel '{name}'")
+        side = (name, edge)
+        if side in sides:
+            raise InputError(f"{where} sews panel '{name}', edge {edge} to itself; name two different edges")
+        if side in sewn:
+            raise InputError(
+                f"{where} sews panel '{name}', edge {edge} again (stitch {sewn[side]} does already); "
+                "split the edge or remove one stitch"
+            )
+        sides.append(side)
+    stitch = Stitch(*sides[0], *sides[1], right_wrong)
+    _check_lengths(stitch, panels, where)
+    return stitch
+
+
+def _sides(stitch: Stitch) -> tuple[tuple[str, int], tuple[str, int]]:
+    """Return both edges of a stitch, each as panel and number."""
+    return (stitch.panel_a, stitch.edge_a), (stitch.panel_b, stitch.edge_b)
 
 
 def _check_lengths(stitch: Stitch, panels: Mapping[str, Panel], where: str) -> None:

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Edge, Panel, Pattern, Quadratic
 
 _UNITS = 100.0
@@ -14,7 +15,8 @@ def write_garmentcode(pattern: Pattern, path: str | Path) -> None:
     """Write a pattern so that reading the file back gives the same pattern, to the last bit.
 
     (A length that is not a floating-point number divided by 100 comes back changed by one unit in the last
-    place; writing that again changes nothing.)
+    place; writing that again changes nothing. A panel or an edge without a role comes back with the one that
+    its name or label has in GarmentCode; another role of its own is written beside them.)
     """
     document = {
         "pattern": {
@@ -50,6 +52,8 @@ def _panel(panel: Panel) -> dict[str, Any]:
     }
     if panel.label:
         raw["label"] = panel.label
+    if panel.role not in (None, panel_role(panel.name, panel.label)):
+        raw["role"] = panel.role
     if panel.warp_degrees:
         raw["warp_degrees"] = panel.warp_degrees
     return raw
@@ -67,6 +71,8 @@ def _edge(edge: Edge) -> dict[str, Any]:
         raw["curvature"] = {"type": "circle", "params": params}
     if edge.label:
         raw["label"] = edge.label
+    if edge.role not in (None, edge_role(edge.label)):
+        raw["role"] = edge.role
     return raw
 
 

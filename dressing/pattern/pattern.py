@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from toile.dressing.pattern.roles import EdgeRole, PanelRole
+
 Point = tuple[float, float]
 
 
@@ -49,12 +51,17 @@ Curve = Quadratic | Cubic | Arc | None
 
 @dataclass(frozen=True)
 class Edge:
-    """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices)."""
+    """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices).
+
+    `label` is the file's name for it, under which it can be pinned; `role` says what it lies on, None if that
+    is nothing in particular.
+    """
 
     start: int
     end: int
     curve: Curve = None
     label: str = ""
+    role: EdgeRole | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +82,9 @@ class Panel:
     rotation_degrees
         Turns about the world's x, then y, then z axis.
     label
-        Part of the body that the panel covers ("body", "leg", "arm", or "").
+        The file's word for the part of the body that the panel covers ("body", "leg", "arm", or "").
+    role
+        That part, whatever the file calls it; None if it is not known.
     warp_degrees
         Direction of the warp, counter-clockwise from the panel's +y.
     """
@@ -86,6 +95,7 @@ class Panel:
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation_degrees: tuple[float, float, float] = (0.0, 0.0, 0.0)
     label: str = ""
+    role: PanelRole | None = None
     warp_degrees: float = 0.0
 
 

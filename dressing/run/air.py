@@ -52,18 +52,25 @@ class Air:
         wind = self.velocity
         numbers = isinstance(wind, list | tuple) and len(wind) == 3 and all(map(_is_number, wind))
         if not numbers or math.hypot(*wind) > FASTEST:
-            raise InputError(f"velocity of air must be three numbers, up to {FASTEST:g} m/s, got {wind!r}")
+            raise InputError(
+                f"velocity of air must be three numbers, up to {FASTEST:g} m/s, got {wind!r}",
+                field="velocity",
+            )
         object.__setattr__(self, "velocity", tuple(float(part) for part in wind))
         if not _is_number(self.gusts) or not 0.0 <= self.gusts <= 1.0:
-            raise InputError(f"gusts of air must lie between 0 and 1, got {self.gusts!r}")
+            raise InputError(f"gusts of air must lie between 0 and 1, got {self.gusts!r}", field="gusts")
         if not _is_number(self.eddies) or not self.eddies > 0.0:
-            raise InputError(f"eddies of air must be longer than 0 m, got {self.eddies!r}")
+            raise InputError(f"eddies of air must be longer than 0 m, got {self.eddies!r}", field="eddies")
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(f"seed of air must be a whole number from 0, got {self.seed!r}")
+            raise InputError(f"seed of air must be a whole number from 0, got {self.seed!r}", field="seed")
         if not _is_number(self.drag) or not 0.0 < self.drag <= MOST_DRAG:
-            raise InputError(f"drag of air must lie between 0 and {MOST_DRAG:g}, got {self.drag!r}")
+            raise InputError(
+                f"drag of air must lie between 0 and {MOST_DRAG:g}, got {self.drag!r}", field="drag"
+            )
         if not _is_number(self.lift) or not 0.0 <= self.lift <= self.drag:
-            raise InputError(f"lift of air must lie between 0 and its drag {self.drag:g}, got {self.lift!r}")
+            raise InputError(
+                f"lift of air must lie between 0 and its drag {self.drag:g}, got {self.lift!r}", field="lift"
+            )
 
     def flow(self) -> AirFlow:
         """Return it as the engine takes it."""

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
-from toile.dressing.run.scene import AvatarFile, Scene
+from toile.dressing.run.scene import AvatarFile
 from toile.dressing.wear.drape_types import DrapeOutcome
 from toile.geometry.errors import InputError
 
@@ -36,12 +37,13 @@ class Hung:
 
 
 class Checkpoint:
-    """The traces of one run in its output folder."""
+    """The traces of one run in its output folder, `output`."""
 
     def __init__(self, output: Path) -> None:
+        self.output = output
         self.folder = output / FOLDER
 
-    def begin(self, scene: Scene) -> None:
+    def begin(self, scene: ResolvedScene) -> None:
         """Forget an earlier run and note the scene."""
         self.end()
         writable_folder(self.folder)
@@ -60,14 +62,15 @@ class Checkpoint:
         if self.folder.is_dir():
             shutil.rmtree(self.folder)
 
-    def load(self) -> "tuple[Scene, Hung | None, FilmState | None]":
+    def load(self) -> "tuple[ResolvedScene, Hung | None, FilmState | None]":
         """Return what was noted last. Raises InputError if there is nothing to take up."""
         from toile.engine.film.plan import FilmState
 
         scene, hung, state = self._read(SCENE), self._read(HUNG), self._read(FRAME)
-        if not isinstance(scene, Scene):
+        if not isinstance(scene, ResolvedScene):
             raise InputError(
-                f"{self.folder.parent}: there is no run to take up; it has ended, or it never wrote here"
+                f"{self.output}: there is no run to take up; it has ended, or it never wrote here",
+                file=self.output,
             )
         return (
             scene,
@@ -85,23 +88,23 @@ class Checkpoint:
         try:
             wrote, content = pickle.loads(path.read_bytes())
         except Exception as error:  # whatever a damaged pickle may raise
-            raise InputError(f"{path}: is damaged ({type(error).__name__}); start the run anew") from None
+            raise InputError(
+                f"{path}: is damaged ({type(error).__name__}); start the run anew", file=path
+            ) from None
         if wrote != version("toile"):
             raise InputError(
-                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew"
+                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew", file=path
             )
         return content
 
 
-def _with_whole_paths(scene: Scene) -> Scene:
+def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:
     """Return a scene that can be read from any folder."""
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
         avatar = replace(avatar, path=avatar.path.absolute())
     garments = tuple(
-        replace(garment, source=Path(garment.source).absolute())
-        if isinstance(garment.source, str | Path) and Path(garment.source).is_file()
-        else garment
+        replace(garment, source=garment.source.absolute()) if isinstance(garment.source, Path) else garment
         for garment in scene.garments
     )
     return replace(scene, avatar=avatar, garments=garments)

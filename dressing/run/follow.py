@@ -3,7 +3,7 @@
 import math
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,10 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.result import DressedGarment, Record, file_stem
+from toile.dressing.run.checkpoint import Checkpoint, Hung
+from toile.dressing.run.listener import Listener
+from toile.dressing.run.resolved_scene import ResolvedScene
+from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import DrapeOutcome, Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.put_on import taken_apart
@@ -24,12 +27,11 @@ from toile.engine.film.plan import (
     PUSHED_TOLERANCE,
     FilmFrame,
     FilmPlan,
+    FilmRecord,
     FilmState,
 )
 from toile.engine.film.simulate import Simulation
-from toile.engine.forces.wind import AirFlow
 from toile.engine.step.options import StageClock
-from toile.remesh.sizing.sizing import SizingOptions
 
 FRAMES = "frames"
 """Name of the folder of frames in the output folder."""
@@ -75,64 +77,40 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
 
 
 def follow(
-    avatar: Avatar, drape: DrapeOutcome, garments: tuple[DressedGarment, ...], sizing: SizingOptions | None,
-    air: AirFlow | None, folder: Path | None, on_frame: Callable[[FrameState], bool],
-    keep: Callable[[FilmState], None], record: Record, state: FilmState | None = None,
-) -> Followed:  # fmt: skip
-    """Let draped garments follow their avatar's motion.
+    scene: ResolvedScene,
+    hung: Hung,
+    checkpoint: Checkpoint | None,
+    listener: Listener,
+    state: FilmState | None,
+) -> Followed:
+    """Let hung garments follow their avatar's motion.
 
     Parameters
     ----------
-    avatar
-        The avatar as it was dressed, with its motion.
-    drape, garments
-        How the garments hang at its first frame.
-    sizing
-        How the mesh adapts, or None.
-    air
-        Air around the garments, or None.
-    folder
-        Where a PLY per frame goes of every garment, and of the body as cloth met it [m, Y up], or None.
-    on_frame
-        Called after every frame; returning False ends the film.
-    keep
-        Called after every frame with all that the film needs to go on from there.
-    record
-        Called with the number of every frame and the garments.
+    scene
+        Says how the mesh adapts, and what air there is.
+    hung
+        The avatar with its motion, and how the garments hang at its first frame.
+    checkpoint
+        Where every frame is noted, and in whose output folder a PLY per frame goes of every garment, and of
+        the body as cloth met it [m, Y up]; None writes nothing.
+    listener
+        Told every frame; may cancel.
     state
         Where to go on instead of at the beginning.
     """
-    motion = avatar.motion
+    motion = hung.avatar.motion
     assert motion is not None
     started = time.perf_counter()
-    frames = None if folder is None else writable_folder(folder / FRAMES)
-    latest, skin, crossing = garments, avatar.vertices, ""
     last = len(motion.frames) - 1
-    plan = FilmPlan(
-        integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=air),
-        frame_seconds=1.0 / motion.fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=sizing,
-    )  # fmt: skip
-
-    def as_of(cloth: Cloth) -> tuple[DressedGarment, ...]:
-        parts = taken_apart(cloth, len(garments))
-        return tuple(garment.now(part) for garment, part in zip(garments, parts, strict=True))
+    shown = _Shown(hung, None if checkpoint is None else writable_folder(checkpoint.output / FRAMES))
+    on_frame = listener.on_frame(scene.tolerance)
 
     def on_film_frame(frame: FilmFrame) -> bool:
-        nonlocal latest, skin, crossing
-        assert frame.avatar is not None
-        skin, latest = frame.avatar, as_of(frame.cloth)
-        if frames is not None:
-            for garment in latest:
-                corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
-                content = ply_bytes(garment.positions, garment.faces, corner_uv)
-                write_atomic(frame_path(frames, garment.name, frame.index), content)
-            write_atomic(frame_path(frames, BODY_NAME, frame.index), ply_bytes(skin, avatar.faces))
-        if not crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
-            crossing = f"frame {frame.index}; {place_of(frame.cloth, frame.crossings, garments)}"
-        record(frame.index, latest)
-        if frame.index:
-            keep(film.state())
+        shown.take(frame)
+        listener.record(frame.index, shown.garments)
+        if frame.index and checkpoint is not None:
+            checkpoint.frame(film.state())
         return on_frame(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
@@ -140,25 +118,100 @@ def follow(
             )
         )  # fmt: skip
 
-    body = (avatar.vertices, avatar.faces)
-    film = Simulation(drape.cloth, body, plan, on_film_frame, motion, StageClock(), drape.pin_motion)
+    body = (hung.avatar.vertices, hung.avatar.faces)
+    film = Simulation(
+        hung.drape.cloth, body, _plan(scene, hung.drape, motion.fps), on_film_frame, motion, StageClock(),
+        hung.drape.pin_motion,
+    )  # fmt: skip
+    done = 0
     if state is not None:
         film.go_on_from(state)
-        # The run may have been stopped between its last frame and its end.
-        latest, skin = as_of(state.cloth), avatar.vertices if state.avatar is None else state.avatar
-    done = 0 if state is None else len(state.record.crossings) - 1
+        shown.go_on_from(state)
+        done = len(state.record.crossings) - 1
     made = film.run((last - done) / motion.fps)
-    failure = None
+    return Followed(
+        garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
+        failure=_failure(made, shown.crossing), cancelled=made.cancelled, figures=_figures(made, motion.fps),
+        stage_seconds=film.clock.seconds,
+    )  # fmt: skip
+
+
+class _Shown:
+    """The latest frame of a film, written where there is a folder, and the first place that crossed.
+
+    Attributes
+    ----------
+    garments
+        In the latest frame.
+    skin
+        The avatar as cloth met it then [m], shape (v, 3).
+    crossing
+        Frame and place in which triangles crossed first; empty while none did.
+    """
+
+    def __init__(self, hung: Hung, frames: Path | None) -> None:
+        self.garments = hung.garments
+        self.skin = hung.avatar.vertices
+        self.crossing = ""
+        self._avatar = hung.avatar
+        self._frames = frames
+
+    def take(self, frame: FilmFrame) -> None:
+        """Take a frame."""
+        assert frame.avatar is not None
+        self.skin, self.garments = frame.avatar, self._as_of(frame.cloth)
+        if self._frames is not None:
+            self._write(self._frames, frame.index)
+        if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
+            place = place_of(frame.cloth, frame.crossings, self.garments)
+            self.crossing = f"frame {frame.index}; {place}"
+
+    def go_on_from(self, state: FilmState) -> None:
+        """Take the last frame of a run that was stopped, perhaps between that and its end."""
+        self.garments = self._as_of(state.cloth)
+        if state.avatar is not None:
+            self.skin = state.avatar
+
+    def _as_of(self, cloth: Cloth) -> tuple[DressedGarment, ...]:
+        """Return the garments in the shape of a cloth."""
+        parts = taken_apart(cloth, len(self.garments))
+        return tuple(garment.now(part) for garment, part in zip(self.garments, parts, strict=True))
+
+    def _write(self, frames: Path, index: int) -> None:
+        """Write a PLY of every garment and of the body."""
+        for garment in self.garments:
+            corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
+            content = ply_bytes(garment.positions, garment.faces, corner_uv)
+            write_atomic(frame_path(frames, garment.name, index), content)
+        write_atomic(frame_path(frames, BODY_NAME, index), ply_bytes(self.skin, self._avatar.faces))
+
+
+def _plan(scene: ResolvedScene, drape: DrapeOutcome, fps: float) -> FilmPlan:
+    """Return how the motion is computed."""
+    return FilmPlan(
+        integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=scene.air),
+        frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
+    )  # fmt: skip
+
+
+def _failure(made: FilmRecord, crossing: str) -> Failure | None:
+    """Return why a film failed, if it did; `crossing` is the first place that crossed, where it is known."""
     if made.failure:
         frame = len(made.crossings) - 1
-        failure = Failure(kind="motion", message=made.failure, where=f"frame {frame}")
-    elif any(map(sum, made.crossings)):
+        return Failure(kind="motion", message=made.failure, where=f"frame {frame}")
+    if any(map(sum, made.crossings)):
         frame = next(index for index, found in enumerate(made.crossings) if sum(found))
         # The place is known of frames of this run; a film taken up after a crossing knows the frame only.
-        failure = Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
+        return Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
+    return None
+
+
+def _figures(made: FilmRecord, fps: float) -> dict[str, Any]:
+    """Return what the report says about a film."""
     gaps = [gap for gap in made.min_gap if math.isfinite(gap)]
-    figures = {
-        "fps": motion.fps,
+    return {
+        "fps": fps,
         "frames": len(made.crossings) - 1,
         "seconds": made.simulated_seconds,
         "steps": made.steps,
@@ -172,7 +225,3 @@ def follow(
         "skin_held_back_mm_max": 1e3 * max(made.lag),
         "remeshings": len(made.remeshings),
     }
-    return Followed(
-        garments=latest, avatar=replace(avatar, vertices=skin), failure=failure, cancelled=made.cancelled,
-        figures=figures, stage_seconds=film.clock.seconds,
-    )  # fmt: skip

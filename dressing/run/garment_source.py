@@ -1,38 +1,37 @@
-"""From what a scene calls a garment to its mesh: built-in pattern, pattern file or 3-D mesh."""
+"""From what a scene calls a garment to what it is made from: built-in pattern, file or mesh."""
 
-import math
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from toile.dressing.body.avatar import Avatar
-from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
-from toile.dressing.pattern.drafts import built_in, built_in_names
-from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.pattern.drafts import built_in_names
 from toile.dressing.run.scene import Garment
-from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 
-LARGEST_DISTANCE = 0.5
-"""A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
-LARGEST_PANEL_DISTANCE = 1.5
-"""The same for a single panel [m]: wide skirts start with panels 0.6 m away."""
+GarmentSource = str | Path | GarmentMesh
+"""The name of a built-in pattern, a file, or a mesh."""
 
 
-def check_source(garment: Garment) -> None:
-    """Raise InputError if the garment's source cannot be what it says, before anything is built."""
+def checked_source(garment: Garment) -> GarmentSource:
+    """Return what a garment is made from, unread. Raises InputError if that does not exist."""
     source = garment.source
-    if isinstance(source, GarmentMesh) or built_in_name(source):
-        return
+    if isinstance(source, GarmentMesh):
+        return source
+    if name := built_in_name(source):
+        return name
     path = Path(source)
-    if not path.suffix and not path.exists():
-        known = unknown_name("garment", str(source), built_in_names())
-        raise InputError(f"{known} (a pattern or mesh file needs its extension)")
+    with about(garment=default_name(garment), field="source"):
+        if not path.suffix and not path.exists():
+            known = unknown_name("garment", str(source), built_in_names())
+            raise InputError(f"{known} (a pattern or mesh file needs its extension)")
+        with about(file=path):
+            _check_file(path)
+    return path
+
+
+def _check_file(path: Path) -> None:
+    """Raise InputError if there is no garment file of that name."""
     if path.suffix.lower() not in (".json", *MESH_FORMATS):
         kind = path.suffix or "(no extension)"
         raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
@@ -56,120 +55,3 @@ def default_name(garment: Garment) -> str:
         return garment.source.name
     name = built_in_name(garment.source)
     return name or Path(garment.source).name.split(".")[0].removesuffix("_specification")
-
-
-def load_garment(garment: Garment, name: str, form: DressForm, edges: SewingEdges) -> GarmentMesh:
-    """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
-    mesh = replace(_mesh_of(garment, form, edges), name=name)
-    _check_place(mesh, form.avatar)
-    return turn_warp(mesh, garment.warp_angle)
-
-
-def pinned_vertices(mesh: GarmentMesh, pins: tuple[str | int, ...]) -> Int:
-    """Return the material vertices that pins name. Raises InputError for an unknown label or number."""
-    found = [np.empty(0, dtype=np.int32)]
-    for pin in pins:
-        if isinstance(pin, str):
-            if pin not in mesh.held:
-                labels = list(mesh.held) or ["none in this garment"]
-                raise InputError(f"garment '{mesh.name}', pins: {unknown_name('label', pin, labels)}")
-            found.append(mesh.held[pin].astype(np.int32))
-        elif not 0 <= pin < len(mesh.positions):
-            raise InputError(
-                f"garment '{mesh.name}', pins: vertex {pin} is not in 0..{len(mesh.positions) - 1}"
-            )
-        else:
-            found.append(np.array([pin], dtype=np.int32))
-    return np.unique(np.concatenate(found)).astype(np.int32)
-
-
-def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentMesh:
-    """Return the garment with its warp turned by an angle [degrees], for all panels or by panel name."""
-    if isinstance(angle, Mapping):
-        for panel in angle:
-            if panel not in mesh.panel_names:
-                raise InputError(
-                    f"garment '{mesh.name}', warp_angle: {unknown_name('panel', panel, mesh.panel_names)}"
-                )
-        per_panel = np.array([float(angle.get(panel, 0.0)) for panel in mesh.panel_names])
-    else:
-        per_panel = np.full(len(mesh.panel_names), float(angle))
-    if not per_panel.any():
-        return mesh
-    turn = np.radians(per_panel)[mesh.panel]
-    cosine, sine = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    warp, weft = mesh.rest_corners[..., 0], mesh.rest_corners[..., 1]
-    # The axes turn counter-clockwise, so coordinates in them turn clockwise.
-    turned: Float = np.stack([cosine * warp + sine * weft, cosine * weft - sine * warp], axis=-1)
-    return replace(mesh, rest_corners=np.ascontiguousarray(turned))
-
-
-def _mesh_of(garment: Garment, form: DressForm, edges: SewingEdges) -> GarmentMesh:
-    """Return the mesh of a checked source."""
-    source = garment.source
-    if isinstance(source, GarmentMesh):
-        _check_pattern_coordinates(source)
-        return source
-    if Path(source).suffix.lower() in MESH_FORMATS:
-        from toile.dressing.garment.mesh_garment import read_mesh_garment
-
-        return read_mesh_garment(
-            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edges.length
-        )
-    from toile.dressing.garment.pattern_mesh import mesh_pattern
-
-    name = built_in_name(source)
-    if name:
-        pattern = built_in(name, form.measurements)
-    else:
-        from toile.dressing.pattern.garmentcode import read_garmentcode
-
-        pattern = read_garmentcode(source)
-    return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
-
-
-def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
-    """Raise InputError if the pattern coordinates of flat fabric have not the lengths of its rest shape."""
-    if not mesh.flat:
-        return
-    sides = np.roll(mesh.uv[mesh.faces], -1, axis=1) - mesh.uv[mesh.faces]
-    rest = np.roll(mesh.rest_corners, -1, axis=1) - mesh.rest_corners
-    given, wanted = np.linalg.norm(sides, axis=2), np.linalg.norm(rest, axis=2)
-    wrong = (np.abs(given - wanted) > 1e-6 * wanted.max()).any(axis=1)
-    if wrong.any():
-        raise InputError(
-            f"garment '{mesh.name}': sides of face {int(wrong.argmax())} differ in uv and rest_corners; "
-            "uv of flat fabric are its pattern coordinates in metres (or set flat=False)"
-        )
-
-
-def _check_place(mesh: GarmentMesh, avatar: Avatar) -> None:
-    """Raise InputError if the garment or a panel is nowhere near the avatar, or a piece shut up in it."""
-    where = f"garment '{mesh.name}'"
-    _check_near(where, mesh.positions, avatar.vertices, LARGEST_DISTANCE)
-    for index, name in enumerate(mesh.panel_names):
-        used = mesh.positions[mesh.faces[mesh.panel == index].ravel()]
-        if len(used):
-            _check_near(f"{where}: panel '{name}'", used, avatar.vertices, LARGEST_PANEL_DISTANCE)
-    if not mesh.flat:
-        from toile.dressing.garment.inside_body import faces_inside
-
-        inside = faces_inside(mesh, avatar)
-        if len(inside):
-            raise InputError(
-                f"{where} has a piece that starts inside the body and nowhere comes out of it; move it out",
-                faces=() if mesh.origin is None else mesh.origin.face[inside].tolist(),
-            )
-
-
-def _check_near(what: str, positions: Float, body: Float, limit: float) -> None:
-    """Raise InputError if the box of some positions is farther from the body's box than the limit."""
-    low, high = positions.min(axis=0), positions.max(axis=0)
-    apart = np.maximum(np.maximum(low - body.max(axis=0), body.min(axis=0) - high), 0.0)
-    distance = math.hypot(*apart)
-    if distance > limit:
-        axis = "xyz"[int(apart.argmax())]
-        raise InputError(
-            f"{what} is {distance:.3g} m away from the body (along {axis}); "
-            "move it onto the body, or check the units and up axis of both"
-        )

@@ -52,5 +52,5 @@ QUALITIES = {
 def quality_preset(name: str) -> Quality:
     """Return the preset of that name. Raises InputError with the nearest name."""
     if name not in QUALITIES:
-        raise InputError(unknown_name("quality", name, QUALITIES))
+        raise InputError(unknown_name("quality", name, QUALITIES), field="quality")
     return QUALITIES[name]

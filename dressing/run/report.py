@@ -3,12 +3,23 @@
 import json
 import math
 import platform
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, Status
 
 STAGES = ("assembly", "solve", "contact", "remesh", "io", "compile")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSeconds:
+    """Time of a drape [s]: wall and CPU time in all, wall time of reading and of loading kernels."""
+
+    wall: float
+    cpu: float
+    io: float
+    compile: float
 
 
 def drape_report(
@@ -20,18 +31,12 @@ def drape_report(
     options: DrapeOptions,
     avatar: dict[str, Any],
     garments: list[dict[str, Any]],
-    wall_seconds: float,
-    cpu_seconds: float,
-    io_seconds: float,
-    compile_seconds: float,
+    seconds: RunSeconds,
 ) -> dict[str, Any]:
-    """Return the report as plain data, numbers that are not finite replaced by None.
-
-    `compile_seconds` is the time to load the kernels: to compile them where that was not done before.
-    """
+    """Return the report as plain data, numbers that are not finite replaced by None."""
     stages = {stage: 0.0 for stage in STAGES} | dict(figures.stage_seconds)
-    stages["io"] += io_seconds
-    stages["compile"] += compile_seconds
+    stages["io"] += seconds.io
+    stages["compile"] += seconds.compile
     report = {
         "status": status,
         "failure": None if failure is None else _failure_facts(failure),
@@ -68,8 +73,8 @@ def drape_report(
         },
         "avatar": avatar,
         "garments": garments,
-        "wall_seconds": wall_seconds,
-        "cpu_seconds": cpu_seconds,
+        "wall_seconds": seconds.wall,
+        "cpu_seconds": seconds.cpu,
         "stage_seconds": stages,
         "versions": versions(),
     }

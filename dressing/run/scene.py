@@ -7,6 +7,7 @@ from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.writers.field_mesh import checked_formats
+from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
@@ -45,6 +46,10 @@ class MannequinSize:
     def given(self) -> dict[str, float]:
         """Return only the sizes that are set."""
         return {name: value for name, value in vars(self).items() if value is not None}
+
+
+AvatarSource = Avatar | AvatarFile | MannequinSize
+"""A body, or where one comes from."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +128,7 @@ class Scene:
     """
 
     garments: Sequence[Garment]
-    avatar: Avatar | AvatarFile | MannequinSize | str | Path | None = None
+    avatar: AvatarSource | str | Path | None = None
     fabric: str | Fabric | None = None
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"
@@ -142,7 +147,9 @@ class Scene:
         if isinstance(garments, str | Path | Garment | GarmentMesh):
             garments = (garments,)
         if not isinstance(garments, list | tuple):
-            raise InputError(f"garments must be a list of garments, got {type(garments).__name__}")
+            raise InputError(
+                f"garments must be a list of garments, got {type(garments).__name__}", field="garments"
+            )
         object.__setattr__(
             self, "garments", tuple(g if isinstance(g, Garment) else Garment(g) for g in garments)
         )
@@ -150,7 +157,10 @@ class Scene:
         if isinstance(avatar, str | Path):
             object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
         if not self.garments:
-            raise InputError("the scene has no garment: name a pattern, a mesh or a built-in such as tshirt")
+            raise InputError(
+                "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt",
+                field="garments",
+            )
         quality_preset(self.quality)
         formats = [self.formats] if isinstance(self.formats, str) else self.formats
         object.__setattr__(self, "formats", checked_formats(formats))
@@ -160,14 +170,25 @@ class Scene:
         _check_number("friction", self.friction, low=0.0, high=10.0)
         for pair, value in self.friction_between.items():
             if not isinstance(pair, tuple) or len(pair) != 2:
-                raise InputError(f"friction_between: a pair is two names, got {pair!r}")
-            _check_number(f"friction_between {' and '.join(map(str, pair))}", value, low=0.0, high=10.0)
+                raise InputError(
+                    f"friction_between: a pair is two names, got {pair!r}", field="friction_between"
+                )
+            _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
+
+    def fabric_of(self, garment: Garment) -> str | Fabric:
+        """Return what a garment is made of: a fabric, or the name of one that may not exist."""
+        if garment.fabric is not None:
+            return garment.fabric
+        return DEFAULT_FABRIC if self.fabric is None else self.fabric
 
 
-def _check_number(name: str, value: float | None, *, low: float, high: float, unit: str = "") -> None:
-    """Raise InputError unless the value is None or lies in [low, high]."""
+def _check_number(
+    field: str, value: float | None, *, low: float, high: float, unit: str = "", of: str = ""
+) -> None:
+    """Raise InputError unless the value is None or lies in [low, high]; `of` says which of several."""
     if value is None:
         return
     if not isinstance(value, int | float) or not math.isfinite(value) or not low <= value <= high:
         between = f"{low:g} and {high:g} {unit}".rstrip()
-        raise InputError(f"{name} must lie between {between}, got {value!r}")
+        what = f"{field} {of}".rstrip()
+        raise InputError(f"{what} must lie between {between}, got {value!r}", field=field)

@@ -27,7 +27,8 @@ Paths are relative to the scene file.
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
@@ -36,10 +37,11 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
 from toile.dressing.run.air import Air
+from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
 from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
 from toile.engine.cloth.fabric import Fabric
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 from toile.remesh.sizing.sizing import SizingOptions
 
 NUMBER = (int, float)
@@ -120,13 +122,13 @@ def load_scene(path: str | Path) -> Scene:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such scene file; check the path") from None
+        raise InputError(f"{path}: there is no such scene file; check the path", file=path) from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a scene file ({error})") from None
+        raise InputError(f"{path}: cannot be read as a scene file ({error})", file=path) from None
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        raise InputError(f"{path}: not valid TOML: {error}", file=path) from None
     return _SceneReader(path, LineNumbers(text)).scene(data)
 
 
@@ -157,7 +159,11 @@ class _SceneReader:
         self._check_keys(data, "", ())
         own = {name: self._fabric(name, values) for name, values in data.get("fabric", {}).items()}
         if not data.get("garment"):
-            raise InputError(f"{self.path}: the scene has no [[garment]] table; add one with a source")
+            raise InputError(
+                f"{self.path}: the scene has no [[garment]] table; add one with a source",
+                file=self.path,
+                field="garment",
+            )
         garments = tuple(
             self._garment(values, ("garment", index), own) for index, values in enumerate(data["garment"])
         )
@@ -168,21 +174,14 @@ class _SceneReader:
             for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats")
             if key in data
         }
-        pairs = self._friction_between(data.get("friction_between", []))
-        try:
-            return Scene(
-                garments=garments,
-                friction_between=pairs,
-                avatar=self._avatar(data.get("avatar", {})),
-                fabric=data.get("default_fabric"),
-                fabrics=own,
-                remesh=self._remesh(data.get("remesh", True), data),
-                air=self._air(data["air"]) if "air" in data else None,
-                **plain,
-            )
-        except InputError as error:
-            key = next((key for key in plain if key in str(error).split("'")[0].split()), None)
-            raise self._error((key,) if key else (), str(error)) from None
+        tables: dict[str, Any] = {
+            "friction_between": self._friction_between(data.get("friction_between", [])),
+            "avatar": self._avatar(data.get("avatar", {})),
+            "remesh": self._remesh(data.get("remesh", True), data),
+            "air": self._air(data["air"]) if "air" in data else None,
+        }
+        with self._placed():
+            return Scene(garments=garments, fabric=data.get("default_fabric"), fabrics=own, **tables, **plain)
 
     def _friction_between(self, entries: list[Any]) -> dict[tuple[str, str], float]:
         """Return friction of pairs, given as lists of two names and a number."""
@@ -207,28 +206,41 @@ class _SceneReader:
         if isinstance(values, bool):
             return values
         self._check_keys(values, "remesh", ("remesh",))
-        quality = quality_preset(data.get("quality", "standard"))
+        with self._placed():
+            quality = quality_preset(data.get("quality", "standard"))
         finest = data.get("edge_length", quality.edge_length)
-        try:
-            usual = quality.sizing(values.get("size_min", finest))
-            return replace(usual, **values)
-        except InputError as error:
-            key = str(error).split()[0]
-            raise self._error(("remesh", key) if key in values else ("remesh",), str(error)) from None
+        with self._placed("remesh"):
+            with about(field="size_min"):
+                sizing = quality.sizing(values.get("size_min", finest))
+            # One after the other, so that an error belongs to a key; the shortest edges are set already.
+            for key, value in values.items():
+                with about(field=key):
+                    sizing = replace(sizing, **{key: value})
+        return sizing
 
     def _air(self, values: dict[str, Any]) -> Air:
         """Return the air of the [air] table."""
         self._check_keys(values, "air", ("air",))
-        try:
+        with self._placed("air"):
             return Air(**values)
+
+    @contextmanager
+    def _placed(self, *table: str) -> Iterator[None]:
+        """Put file and line of the key at fault, in a table, in front of errors raised inside."""
+        try:
+            yield
         except InputError as error:
-            raise self._error(("air", str(error).split()[0]), str(error)) from None
+            raise self._at((*table, *([error.field] if error.field else [])), error) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
-        """Return the error with file and line in front."""
+        """Return the error about a key, with file and line in front."""
+        return self._at(key, InputError(message))
+
+    def _at(self, key: tuple[str | int, ...], error: InputError) -> InputError:
+        """Return an error with file and line of a key in front."""
         line = self.lines.of(key)
         where = f"{self.path}, line {line}" if line else str(self.path)
-        return InputError(f"{where}: {message}")
+        return error.at(where, file=self.path, field=".".join(map(str, key)) or None)
 
     def _check_keys(self, values: Mapping[str, Any], table: str, place: tuple[str | int, ...]) -> None:
         """Raise InputError for an unknown key or a value of the wrong type."""
@@ -270,6 +282,13 @@ class _SceneReader:
         """Return the garment of one [[garment]] table."""
         if not isinstance(values, dict):
             raise self._error(("garment",), "garment must be a list of tables: write [[garment]]")
+        with about(garment=_name_of(values)):
+            return self._checked_garment(values, place, own)
+
+    def _checked_garment(
+        self, values: dict[str, Any], place: tuple[str | int, ...], own: Mapping[str, Fabric]
+    ) -> Garment:
+        """Return the garment of a table whose keys and values are yet to be checked."""
         self._check_keys(values, "garment", place)
         if "source" not in values:
             raise self._error(place, "a [[garment]] needs a source: a built-in name or a file")
@@ -322,3 +341,11 @@ class _SceneReader:
         if invalid is not None:
             raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
         return checked_fabric(fabric)
+
+
+def _name_of(values: Mapping[str, Any]) -> str | None:
+    """Return the name of the garment of a table that is yet to be checked, None if it has none."""
+    name, source = values.get("name"), values.get("source")
+    if isinstance(name, str):
+        return name
+    return default_name(Garment(source)) if isinstance(source, str) else None

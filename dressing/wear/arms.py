@@ -50,10 +50,8 @@ def drawn_in_arms(vertices: Float, body: Measurements | None, meshes: list[Garme
 
 
 def _on_sleeves(mesh: GarmentMesh) -> Bool:
-    """Mark the material vertices of sleeves and cuffs, shape (m,), by the panels' names."""
-    sleeves = [
-        index for index, name in enumerate(mesh.panel_names) if "sleeve" in name or name.startswith("sl_")
-    ]
+    """Mark the material vertices of sleeves and cuffs, shape (m,)."""
+    sleeves = [index for index, role in enumerate(mesh.panel_roles) if role == "sleeve"]
     marked = np.zeros(len(mesh.positions), bool)
     marked[mesh.faces[np.isin(mesh.panel, sleeves)].ravel()] = True
     return marked

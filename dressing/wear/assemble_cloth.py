@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.pattern.roles import HANGS_FROM, SITS_ON
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.goals import Goals
@@ -13,9 +14,6 @@ from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Int
 from toile.geometry.errors import InputError
-
-WAIST_LABELS = ("lower_interface", "strapless_top")
-SHOULDER_LABELS = ("left_collar", "right_collar", "left_armhole", "right_armhole")
 
 
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
@@ -38,10 +36,10 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
     ).astype(np.int32)
     held, waist = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
     for (mesh, _), offset in zip(garments, offsets, strict=False):
-        held += [vertices + offset for vertices in mesh.held.values()]
+        held += [vertices + offset for vertices in (*mesh.held.values(), *mesh.edges.values())]
         # What hangs from the shoulders finds its own height; what sits on the waist needs friction first.
-        if not any(label in mesh.held for label in SHOULDER_LABELS):
-            waist += [mesh.held[label] + offset for label in WAIST_LABELS if label in mesh.held]
+        if not any(role in mesh.edges for role in HANGS_FROM):
+            waist += [mesh.edges[role] + offset for role in SITS_ON if role in mesh.edges]
 
     def per_face(values: list[int], kind: type) -> Any:
         return np.concatenate(
@@ -99,7 +97,9 @@ def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion
         return None
     lengths = sorted({len(motion.frames) for motion in moving})
     if len(lengths) > 1:
-        raise InputError(f"motions of pins differ in length ({lengths} frames); give all the same")
+        raise InputError(
+            f"motions of pins differ in length ({lengths} frames); give all the same", field="motion"
+        )
     parts = [
         np.zeros((lengths[0], count, 3), np.float32) if mesh.motion is None else mesh.motion.frames
         for mesh, count in zip(meshes, np.diff(origin.first).tolist(), strict=True)

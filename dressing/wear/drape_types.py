@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from toile.engine.step.options import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
+FailureKind = Literal["open_seams", "tangled", "not_sewn", "numerical", "motion", "crossing"]
+"""What may go wrong; `batch.failure_classes` says in words what each means."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +79,7 @@ class Failure:
     known.
     """
 
-    kind: str
+    kind: FailureKind
     message: str
     where: str = ""
     faces: tuple[Int, ...] = ()

@@ -196,39 +196,10 @@ def _outcome(
     failure: Failure | None,
     notes: tuple[str, ...],
 ) -> DrapeOutcome:
-    """Read the figures off a finished drape."""
-    record, cloth = run.record, run.cloth
-    settled = record.settled_crossings or record.crossings[-1:]
-    last = record.crossings[-1]
-    strain, smallest_gap = 100.0 * run.warp_weft_strain(), run.smallest_gap()
-    names = [name for mesh, _ in garments for name in mesh.seam_names]
-    gaps = run.gaps()
-    # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
-    is_open = gaps > run.plan.closed_gap
+    """Read the outcome off a finished drape; `failure` is what broke it down, if anything did."""
+    record, meshes = run.record, [mesh for mesh, _ in garments]
     if failure is None and not record.cancelled:
-        if sum(last):
-            found = run.audit()
-            place = place_of(cloth, found, [mesh for mesh, _ in garments])
-            failure = Failure(
-                kind="tangled",
-                message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
-                where=f"frame {len(record.crossings) - 1}; {place}",
-                faces=faces_at_fault(cloth, found),
-            )
-        elif is_open.any():
-            seams = sorted({names[index] for index in cloth.seam[is_open]})
-            failure = Failure(
-                kind="open_seams",
-                message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-                "the garment may be too small for this body, or cloth lies in the way",
-                where=", ".join(seams),
-            )
-        elif run.phase != "settling":
-            failure = Failure(
-                kind="not_sewn",
-                message=f"the frame limit came while the garment was still {run.phase}; allow more frames",
-                where=f"frame {len(record.crossings) - 1}",
-            )
+        failure = _shortcoming(run, meshes)
     status: Status = "frame_limit"
     if record.cancelled:
         status = "cancelled"
@@ -236,9 +207,56 @@ def _outcome(
         status = "failed"
     elif record.converged:
         status = "converged"
+    return DrapeOutcome(
+        status=status, failure=failure, figures=_figures(run),
+        garments=taken_apart(run.cloth, len(garments)), cloth=run.cloth, step=run.plan.step, notes=notes,
+        gave_up=record.gave_up, pin_motion=pin_motion(meshes, run.cloth.origin),
+    )  # fmt: skip
+
+
+def _shortcoming(run: Drape, meshes: list[GarmentMesh]) -> Failure | None:
+    """Return what a drape that went to its end has not achieved, None if it is fine."""
+    record, cloth = run.record, run.cloth
+    last = record.crossings[-1]
+    if sum(last):
+        found = run.audit()
+        place = place_of(cloth, found, meshes)
+        return Failure(
+            kind="tangled",
+            message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
+            where=f"frame {len(record.crossings) - 1}; {place}",
+            faces=faces_at_fault(cloth, found),
+        )
+    gaps = run.gaps()
+    # What is closer than cloth keeps from cloth is closed, though its nodes are still two.
+    is_open = gaps > run.plan.closed_gap
+    if is_open.any():
+        names = [name for mesh in meshes for name in mesh.seam_names]
+        seams = sorted({names[index] for index in cloth.seam[is_open]})
+        return Failure(
+            kind="open_seams",
+            message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
+            "the garment may be too small for this body, or cloth lies in the way",
+            where=", ".join(seams),
+        )
+    if run.phase != "settling":
+        return Failure(
+            kind="not_sewn",
+            message=f"the frame limit came while the garment was still {run.phase}; allow more frames",
+            where=f"frame {len(record.crossings) - 1}",
+        )
+    return None
+
+
+def _figures(run: Drape) -> DrapeFigures:
+    """Read the figures off a finished drape."""
+    record = run.record
+    settled = record.settled_crossings or record.crossings[-1:]
+    last = record.crossings[-1]
+    strain, smallest_gap = 100.0 * run.warp_weft_strain(), run.smallest_gap()
     counts = record.node_counts
     faces = [record.first_faces, *(entry.faces for entry in record.remeshings)]
-    figures = DrapeFigures(
+    return DrapeFigures(
         frames=len(record.crossings) - 1,
         simulated_seconds=record.simulated_seconds,
         steps=record.steps,
@@ -263,11 +281,6 @@ def _outcome(
         pop=record.pop,
         stage_seconds=run.clock.seconds,
     )
-    return DrapeOutcome(
-        status=status, failure=failure, figures=figures, garments=taken_apart(cloth, len(garments)),
-        cloth=cloth, step=run.plan.step, notes=notes, gave_up=record.gave_up,
-        pin_motion=pin_motion([mesh for mesh, _ in garments], cloth.origin),
-    )  # fmt: skip
 
 
 def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:

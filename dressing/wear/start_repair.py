@@ -66,7 +66,9 @@ def clear_panels(
                 mesh, name = names[index]
                 raise InputError(
                     f"garment {mesh.name}: panel {name} cuts the body or another panel and cannot be "
-                    f"moved clear within {FARTHEST:g} m; move its translation in the pattern farther out"
+                    f"moved clear within {FARTHEST:g} m; move its translation in the pattern farther out",
+                    field=f"pattern.panels.{name}.translation",
+                    garment=mesh.name,
                 )
             pieces.shift[index] += shift
             changed = True
@@ -78,7 +80,9 @@ def clear_panels(
             mesh, name = names[index]
             raise InputError(
                 f"garment {mesh.name}: panel {name} cuts the body or other panels however they are shifted; "
-                "place the panels farther apart in the pattern"
+                "place the panels farther apart in the pattern",
+                field=f"pattern.panels.{name}.translation",
+                garment=mesh.name,
             )
     distance = np.linalg.norm(pieces.shift, axis=1)
     notes = tuple(

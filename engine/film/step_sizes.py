@@ -76,7 +76,7 @@ class StepSizes:
         good = outcome.converged and rise <= limits.stretch_rise and not wrong
         if not good:
             if h > limits.shortest:
-                self.h = h * min(0.5, max(SHRINK, factor))
+                self.h = max(limits.shortest, h * min(0.5, max(SHRINK, factor)))
                 return False
             return True
         if limits.error_rate < inf:

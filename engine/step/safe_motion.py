@@ -15,6 +15,8 @@ SPREAD = 2e-3
 """Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
 FEW = 0.02
 """Share of nodes that may miss contacts ahead for want of candidates rather than search anew."""
+SOME = 0.3
+"""Share of nodes for which candidates are completed rather than all searched anew."""
 STEPS_AHEAD = 3.0
 """Candidates within cloth in motion cover this many steps."""
 ATTEMPTS = 5
@@ -51,9 +53,12 @@ def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> Non
 
 def _expect_in_cloth(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
     """Do the part of `expect` and `expect_avatar` that is about pairs within the cloth."""
-    missing = search.left_in_cloth(x + ahead) < 0.0
-    if not search.covers_cloth(x) or np.count_nonzero(missing) > FEW * len(x):
-        search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
+    there = x + ahead
+    if search.covers_cloth(x):
+        missing = np.count_nonzero(search.left_in_cloth(there) < 0.0)
+        if missing <= FEW * len(x) or search.widen_cloth(there, LEAST_ALLOWANCE, int(SOME * len(x))):
+            return
+    search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
 def _search_body(
@@ -84,9 +89,13 @@ def expect_avatar(
     """
     _expect_in_cloth(search, x, ahead, allowed)
     if avatar.drift is not None and (search.left_with_body(x, avatar.vertices) >= 0.0).all():
-        left = search.left_with_body(x + ahead, avatar.vertices + motion)
-        if np.count_nonzero(left[: len(x)] < 0.0) <= FEW * len(x) and (left[len(x) :] >= 0.0).all():
-            return
+        there, avatar_there = x + ahead, avatar.vertices + motion
+        left = search.left_with_body(there, avatar_there)
+        if (left[len(x) :] >= 0.0).all():
+            missing = np.count_nonzero(left[: len(x)] < 0.0)
+            some = int(SOME * len(x))
+            if missing <= FEW * len(x) or search.widen_body(there, avatar_there, LEAST_ALLOWANCE, some):
+                return
     _search_body(search, avatar, motion, x, ahead, allowed)
 
 

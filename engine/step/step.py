@@ -100,7 +100,9 @@ class ClothStepper:
         count = len(self.x)
         if request.at_rest:
             self.v = np.zeros_like(self.x)
-        blunt = np.ones(count, bool) if self.memory is None else self.memory.touched
+        # Without a past nodes that may touch something take a backward Euler step.
+        free = self.memory is None and self.collisions is None
+        blunt = np.full(count, not free) if self.memory is None else self.memory.touched
         ahead: Float | None = None
         if not request.at_rest:
             # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.

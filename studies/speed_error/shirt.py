@@ -15,9 +15,10 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC, fabric
 from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
-from toile.dressing.run.garment_source import load_garment
+from toile.dressing.run.load_garment import load_garment
 from toile.dressing.run.quality import QUALITIES, Quality
-from toile.dressing.run.scene import Garment
+from toile.dressing.run.resolved_scene import resolve
+from toile.dressing.run.scene import Garment, Scene
 from toile.dressing.wear.drape_types import DrapeOptions, FrameState
 from toile.dressing.wear.put_on import drape
 from toile.geometry.arrays import Float, Int
@@ -72,6 +73,7 @@ class Fitting:
     def __init__(self) -> None:
         self._avatar = mannequin()
         self._form = DressForm(self._avatar)
+        (self._shirt,) = resolve(Scene(garments=[Garment("tshirt")])).garments
 
     def dressed(self, way: Way) -> Dressed:
         """Mesh, sew and drape the shirt as `toile.dress` does."""
@@ -83,7 +85,7 @@ class Fitting:
         sewn = SewingEdges(way.edge, way.edge)
         if sizing is not None:
             sewn = sewing_edges(way.edge, sizing.size_max)[0]
-        mesh = load_garment(Garment("tshirt"), "tshirt", self._form, sewn)
+        mesh = load_garment(self._shirt, self._form, sewn)
         options = DrapeOptions(
             edge_length=sewn.length, max_frames=quality.max_frames, tolerance=quality.tolerance,
             sizing=sizing, self_contact=(way.self_contact,),

@@ -15,7 +15,7 @@ from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan
 from toile.engine.film.simulate import Simulation
-from toile.engine.solve.assembly import scatter_gradients
+from toile.engine.forces.membrane import Membrane
 from toile.geometry.arrays import Float, Int
 from toile.studies.scenes.flat_meshes import right_grid
 from toile.studies.scenes.scenes import GRAVITY, film_plan, rectangle, sheet, surface_of
@@ -125,10 +125,11 @@ def belt(wrap: float, first: float | None, last: float, friction: float) -> Clot
 def pull_at_the_pins(run: Simulation) -> float:
     """Return the force of the membrane on the pinned nodes [N]."""
     stepper = run.stepper
-    stepper.membrane.evaluate(stepper.x)
-    forces = np.zeros_like(stepper.x)
-    scatter_gradients(stepper.faces, stepper.membrane.element_gradient, forces)
-    return float(np.linalg.norm(forces[run.cloth.pinned].sum(axis=0)))
+    membrane = stepper.force(Membrane)
+    assert membrane is not None
+    gradient = np.zeros_like(stepper.x)
+    membrane.add_gradient(stepper.x, gradient)
+    return float(np.linalg.norm(gradient[run.cloth.pinned].sum(axis=0)))
 
 
 def band_brake(degrees: int, towards: str, friction: float) -> tuple[float, float]:

@@ -88,7 +88,7 @@ class FakeDrape:
             pop=0.0,
             stage_seconds={"solve": 0.25, "io": 0.5},
         )
-        failure = Failure(kind="Stuck", message="cannot move", where="panel front")
+        failure = Failure(kind="tangled", message="cannot move", where="panel front")
         return DrapeOutcome(
             status=status,
             failure=failure if status == "failed" else None,

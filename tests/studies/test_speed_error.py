@@ -216,7 +216,7 @@ def test_a_swinging_sheet_and_a_point_of_it() -> None:
     def error(x: np.ndarray) -> float:
         return rms_distance(x, sheet.end)
 
-    go = swing.equal(swing.INTEGRATORS["TR-BDF2"](swing.SOLVED), 60)
+    go = swing.equal(*swing.METHODS["TR-BDF2"], 60)
     found = sheet.point(QUIET, "TR-BDF2", "1/60 s", go, error)
     assert found.faces == 200 and found.figures["steps"] == 60
     assert 1.0 < found.error < 100.0

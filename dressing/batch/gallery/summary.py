@@ -6,7 +6,7 @@ from collections import Counter
 from html import escape
 from typing import Any
 
-from toile.dressing.batch.failure_classes import FAILURE_CLASSES
+from toile.dressing.batch.failure_classes import FAILURE_CLASSES, FailureClass
 from toile.dressing.batch.gallery.histogram import histogram
 from toile.dressing.run.progress import clock
 
@@ -41,7 +41,7 @@ class Summary:
     def __init__(self) -> None:
         self._states: Counter[str] = Counter()
         self._statuses: Counter[str] = Counter()
-        self._failures: Counter[str] = Counter()
+        self._failures: Counter[FailureClass] = Counter()
         self._crossing = 0
         self._cpu = 0.0
         self._values = {column: array("d") for column in MEASURED}

@@ -37,6 +37,6 @@ def writable_folder(folder: str | Path) -> Path:
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise InputError(
-            f"{folder}: cannot write into the output folder ({reason}); choose another with -o"
+            f"{folder}: cannot write into the output folder ({reason}); choose another with -o", file=folder
         ) from None
     return folder

@@ -36,5 +36,5 @@ def built_in(name: str, measurements: Measurements) -> Pattern:
     key = name.strip().lower().replace("-", "_").replace(" ", "_")
     draft = _DRAFTS.get(key) or _DRAFTS.get(key.replace("_", ""))
     if draft is None:
-        raise InputError(unknown_name("built-in pattern", name, built_in_names()))
+        raise InputError(unknown_name("built-in pattern", name, built_in_names()), field="name")
     return draft(measurements)

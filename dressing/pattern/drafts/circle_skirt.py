@@ -66,12 +66,14 @@ def draft_circle_skirt(body: Measurements) -> Pattern:
         sides=band_sides((girth / 4.0,), band_height),
         translation=(0.0, top + raised, z_front + gap),
         label="body",
+        role="torso",
     )
     band_back = Draft(
         name="back_waistband",
         sides=band.sides,
         translation=(0.0, top + raised, z_back - gap),
         label="body",
+        role="torso",
     ).turned()
     half = [
         ("front_waistband", "left_end", "back_waistband", "left_end"),
@@ -109,6 +111,7 @@ def _tent(body: Measurements, top: float, radius: float, length: float) -> list[
                     tilt_degrees=float(tilt),
                     azimuth_degrees=azimuth,
                     label="leg",
+                    role="leg",
                 )
                 for name, side, azimuth in (("front", 1.0, 45.0), ("back", -1.0, 135.0))
             ]
@@ -166,10 +169,13 @@ def _flat(body: Measurements, top: float, radius: float, length: float) -> list[
     sides = _quarter_ring(radius, length)
     # The plane nearest to the body stays free for the band.
     return [
-        Draft(name="left_front", sides=sides, translation=(front, top, z_front + 2.0 * gap), label="leg"),
+        Draft(
+            name="left_front", sides=sides, translation=(front, top, z_front + 2.0 * gap),
+            label="leg", role="leg",
+        ),
         Draft(
             name="left_back", sides=sides, translation=(back, top, z_back - 2.0 * gap), azimuth_degrees=180.0,
-            label="leg",
+            label="leg", role="leg",
         ),
     ]  # fmt: skip
 

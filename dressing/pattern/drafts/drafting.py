@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Point, Quadratic, Stitch
 from toile.dressing.pattern.pattern_curve import edge_length, relative_point
+from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.geometry.errors import InputError
 
 DRAFT_HEIGHT = 1.70
@@ -28,6 +29,7 @@ class Side:
     controls: tuple[Point, ...] = ()
     arc: Arc | None = None
     label: str = ""
+    role: EdgeRole | None = None
 
     def backwards(self) -> "Side":
         """Return the same curve, run from end to start."""
@@ -45,6 +47,7 @@ class Side:
             controls=tuple(_reflect(point) for point in self.controls),
             arc=None if self.arc is None else dataclasses.replace(self.arc, right=not self.arc.right),
             label=_swap_sides(self.label),
+            role=self.role,
         )
 
     def edge(self, index: int, count: int) -> Edge:
@@ -55,7 +58,7 @@ class Side:
             curve = Quadratic(relative[0])
         elif len(relative) == 2:
             curve = Cubic(relative[0], relative[1])
-        return Edge(index, (index + 1) % count, curve, self.label)
+        return Edge(index, (index + 1) % count, curve, self.label, self.role)
 
     @property
     def length(self) -> float:
@@ -79,6 +82,7 @@ class Draft:
     tilt_degrees: float = 0.0
     azimuth_degrees: float = 0.0
     label: str = ""
+    role: PanelRole | None = None
 
     def turned(self) -> "Draft":
         """Return the panel with the loop reversed: its right side faces -z."""
@@ -113,6 +117,7 @@ class Draft:
             translation=self.translation,
             rotation_degrees=(-self.tilt_degrees, self.azimuth_degrees, self.turn_degrees),
             label=self.label,
+            role=self.role,
         )
 
 
@@ -171,13 +176,15 @@ def require_levels(garment: str, body: Measurements, levels: Sequence[str]) -> N
             bad = not math.isfinite(value) or (value <= 0.0 and field.name != "arm_angle")
         if bad:
             raise InputError(
-                f"{garment}: measurement {field.name} is {value}; give a positive length in metres"
+                f"{garment}: measurement {field.name} is {value}; give a positive length in metres",
+                field=f"measurements.{field.name}",
             )
     for lower, upper in itertools.pairwise(levels):
         if getattr(body, lower) >= getattr(body, upper):
             raise InputError(
                 f"{garment}: {lower} ({getattr(body, lower):.3f} m) is not below {upper} "
-                f"({getattr(body, upper):.3f} m); the draft needs a body that stands upright"
+                f"({getattr(body, upper):.3f} m); the draft needs a body that stands upright",
+                field=f"measurements.{lower}",
             )
 
 

@@ -112,12 +112,14 @@ def draft_trousers(body: Measurements) -> Pattern:
         sides=front_sides,
         translation=(front_part.extension + gap / 2.0, -gap, z_front + 2.0 * gap),
         label="leg",
+        role="leg",
     )
     back = Draft(
         name="left_back",
         sides=back_sides,
         translation=(back_part.extension + gap / 2.0, -gap, z_back - 2.0 * gap),
         label="leg",
+        role="leg",
     ).turned()
     bands = [
         Draft(
@@ -125,14 +127,22 @@ def draft_trousers(body: Measurements) -> Pattern:
             sides=band_sides(_waist_pieces(front_sides), band_height),
             translation=(0.0, levels.waist, z_front + gap),
             label="body",
+            role="torso",
         ),
         Draft(
             name="back_waistband",
             sides=band_sides(_waist_pieces(back_sides), band_height),
             translation=(0.0, levels.waist, z_back - gap),
             label="body",
+            role="torso",
         ).turned(),
     ]
+    drafts = [*bands, front, back, front.mirrored(), back.mirrored()]
+    return sew("trousers", drafts, _seams(front, back), waist_notes(body))
+
+
+def _seams(front: Draft, back: Draft) -> list[tuple[str, str, str, str]]:
+    """Return all seams, those of the left leg first."""
     half = [("front_waistband", "left_end", "back_waistband", "left_end")]
     for draft in (front, back):
         band = draft.name.replace("left_", "") + "_waistband"
@@ -149,8 +159,7 @@ def draft_trousers(body: Measurements) -> Pattern:
         for part in ("front", "back")
         for name in ("centre", "crotch")
     ]
-    drafts = [*bands, front, back, front.mirrored(), back.mirrored()]
-    return sew("trousers", drafts, half + mirrored_seams(half) + middle, waist_notes(body))
+    return half + mirrored_seams(half) + middle
 
 
 def _parts(body: Measurements, scale: float, waist_girth: float) -> tuple[_Part, _Part]:

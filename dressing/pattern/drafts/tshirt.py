@@ -78,9 +78,14 @@ def draft_tshirt(body: Measurements) -> Pattern:
         sides=_torso(frame, front=True),
         translation=(0, 0, z_front + 0.05 * scale),
         label="body",
+        role="torso",
     )
     back = Draft(
-        name="back", sides=_torso(frame, front=False), translation=(0, 0, z_back - 0.05 * scale), label="body"
+        name="back",
+        sides=_torso(frame, front=False),
+        translation=(0, 0, z_back - 0.05 * scale),
+        label="body",
+        role="torso",
     ).turned()
     x, y = _sleeve_place(body, sleeve, scale)
     turn = -math.degrees(body.arm_angle)
@@ -90,6 +95,7 @@ def draft_tshirt(body: Measurements) -> Pattern:
         translation=(x, y, z_front + 0.02 * scale),
         turn_degrees=turn,
         label="arm",
+        role="sleeve",
     )
     sleeve_back = Draft(
         name="left_sleeve_back",
@@ -97,6 +103,7 @@ def draft_tshirt(body: Measurements) -> Pattern:
         translation=(x, y, z_back - 0.02 * scale),
         turn_degrees=turn,
         label="arm",
+        role="sleeve",
     ).turned()
     seams = [
         ("front", "left_shoulder", "back", "left_shoulder"),
@@ -183,7 +190,14 @@ def _neckline(neck: Point, bottom: float) -> Side:
     """Left half of a neckline, from the shoulder to the middle: a quarter of an ellipse."""
     x, y = neck
     controls = ((x, y - QUARTER_ELLIPSE * (y - bottom)), (QUARTER_ELLIPSE * x, bottom))
-    return Side(name="left_collar", start=neck, end=(0.0, bottom), controls=controls, label="left_collar")
+    return Side(
+        name="left_collar",
+        start=neck,
+        end=(0.0, bottom),
+        controls=controls,
+        label="left_collar",
+        role="collar",
+    )
 
 
 def _sleeve(body: Measurements, scale: float, frame: _Frame) -> _Sleeve:

@@ -13,7 +13,13 @@ def band_sides(pieces: tuple[float, ...], height: float) -> tuple[Side, ...]:
     lower, x = [], 0.0
     for index, piece in enumerate(pieces):
         lower.append(
-            Side(name=f"left_lower_{index}", start=(x, 0.0), end=(x + piece, 0.0), label="lower_interface")
+            Side(
+                name=f"left_lower_{index}",
+                start=(x, 0.0),
+                end=(x + piece, 0.0),
+                label="lower_interface",
+                role="waist",
+            )
         )
         x += piece
     left = [*lower, Side(name="left_end", start=(x, 0.0), end=(x, height))]

@@ -9,8 +9,8 @@ import trimesh
 
 from toile.dressing.body.animated_avatar import load_animated_avatar
 from toile.dressing.body.mannequin import mannequin
-from toile.dressing.run.dress import load_scene_avatar
-from toile.dressing.run.scene import AvatarFile, Scene
+from toile.dressing.run.scene import AvatarFile
+from toile.dressing.run.scene_avatar import load_scene_avatar
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -48,8 +48,7 @@ def test_a_folder_is_read_in_the_order_of_its_numbers(walk: tuple[Float, Int], t
     vertices, faces = walk
     for number, frame in zip((2, 9, 10), vertices, strict=True):
         trimesh.Trimesh(frame, faces, process=False).export(tmp_path / f"body{number}.ply")
-    scene = Scene(garments=["tshirt"], avatar=AvatarFile(path=tmp_path))  # type: ignore[list-item]
-    avatar = load_scene_avatar(scene)
+    avatar = load_scene_avatar(AvatarFile(path=tmp_path))
     assert avatar.motion is not None and avatar.motion.fps == 24.0
     assert np.abs(avatar.motion.frames - vertices).max() < 1e-5
     assert any("assumed" in note for note in avatar.notes)
@@ -115,6 +114,5 @@ def test_frames_of_other_faces_are_named(walk: tuple[Float, Int], tmp_path: Path
 
 
 def test_fps_of_a_still_body_is_refused(tmp_path: Path) -> None:
-    scene = Scene(garments=["tshirt"], avatar=AvatarFile(path=tmp_path / "body.obj", fps=24.0))  # type: ignore[list-item]
     with pytest.raises(InputError, match="fps is for an avatar that moves"):
-        load_scene_avatar(scene)
+        load_scene_avatar(AvatarFile(path=tmp_path / "body.obj", fps=24.0))

@@ -17,9 +17,9 @@ import toile
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.cli.main import main
 from toile.dressing.pattern.sewing_edges import SEWING_COARSENESS
-from toile.dressing.run.dress import SEWING_FINENESS
 from toile.dressing.run.kernels import REMESH_KERNELS
 from toile.dressing.run.quality import quality_preset
+from toile.dressing.run.resolved_scene import SEWING_FINENESS
 
 FakeDrapes = Callable[..., Any]
 FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply"}
@@ -104,7 +104,7 @@ def test_no_remesh_keeps_the_mesh_and_loads_no_kernels_for_it(
     tmp_path: Path, body: Path, shirt: Path, fake_drape: FakeDrapes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     loaded: list[str] = []
-    monkeypatch.setattr("toile.dressing.run.dress.load_kernels", loaded.extend)
+    monkeypatch.setattr("toile.dressing.run.hang.load_kernels", loaded.extend)
     fake = fake_drape()
     options = (
         "--avatar",

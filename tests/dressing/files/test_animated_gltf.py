@@ -14,8 +14,8 @@ from tests.dressing.files.gltf_writer import CORNERS, FACES, Glb
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.files.animated_gltf import read_animated_gltf
-from toile.dressing.run.dress import load_scene_avatar
-from toile.dressing.run.scene import AvatarFile, Scene
+from toile.dressing.run.scene import AvatarFile
+from toile.dressing.run.scene_avatar import load_scene_avatar
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
@@ -235,8 +235,7 @@ def test_an_animated_body_is_read_as_an_avatar(tmp_path: Path) -> None:
     glb.animate(node, "translation", [0.0, 0.5], [[0.0, 0.0, 0.0], [0.0, 0.01, 0.2]])
     glb.add("animations", name="jump", channels=[], samplers=[])
     path = glb.write(tmp_path / "walk.glb")
-    scene = Scene(garments=["tshirt"], avatar=AvatarFile(path=path))  # type: ignore[list-item]
-    avatar = load_scene_avatar(scene)
+    avatar = load_scene_avatar(AvatarFile(path=path))
     assert avatar.name == "walk" and avatar.up_axis == "y" and avatar.metres_per_unit == 1.0
     assert avatar.motion is not None and avatar.motion.fps == 24.0
     assert len(avatar.motion.frames) == 13
@@ -257,8 +256,7 @@ def test_a_body_without_animation_and_a_broken_file_stand_still(tmp_path: Path) 
     glb.node(mesh=glb.mesh(body.vertices, body.faces))
     still = glb.write(tmp_path / "still.glb")
     assert not is_animated(still) and not is_animated(glb.write(tmp_path / "still.gltf"))
-    scene = Scene(garments=["tshirt"], avatar=AvatarFile(path=still))  # type: ignore[list-item]
-    assert load_scene_avatar(scene).motion is None
+    assert load_scene_avatar(AvatarFile(path=still)).motion is None
     whole = moving().write(tmp_path / "whole.glb")
     assert is_animated(whole) and is_animated(moving().write(tmp_path / "whole.gltf"))
     content = whole.read_bytes()

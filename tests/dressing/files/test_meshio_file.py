@@ -13,7 +13,8 @@ import trimesh
 import toile
 from toile.dressing.files.meshio_file import FORMATS, read_mesh_file
 from toile.dressing.garment.mesh_garment import read_mesh_garment
-from toile.dressing.run.dress import load_scene_avatar
+from toile.dressing.run.scene import MannequinSize
+from toile.dressing.run.scene_avatar import load_scene_avatar
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
@@ -264,7 +265,7 @@ def test_bodies_are_read_in_their_units_with_notes(extension: str, tmp_path: Pat
 def test_a_garment_of_a_vtu_file_is_dressed(fake_drape: Callable[..., Any], tmp_path: Path) -> None:
     """In centimetres, with two panels: units are recognised on the body, the panels keep their place."""
     fake = fake_drape()
-    body = load_scene_avatar(toile.Scene(garments=[toile.Garment("tshirt")]))
+    body = load_scene_avatar(MannequinSize())
     waist = np.array([0.0, 1.0, 0.0])
     tube = trimesh.creation.cylinder(radius=0.3, height=0.4, sections=24, cap=False)
     points = 100.0 * (np.asarray(tube.vertices)[:, [1, 2, 0]] + waist)

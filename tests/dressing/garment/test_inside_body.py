@@ -11,8 +11,9 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.garment.inside_body import faces_inside
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.dressing.pattern.sewing_edges import SewingEdges
-from toile.dressing.run.garment_source import load_garment
-from toile.dressing.run.scene import Garment
+from toile.dressing.run.load_garment import load_garment
+from toile.dressing.run.resolved_scene import resolve
+from toile.dressing.run.scene import Garment, Scene
 from toile.geometry.errors import InputError
 
 
@@ -54,7 +55,7 @@ def test_the_message_names_garment_and_faces(tmp_path: Path) -> None:
     path = tmp_path / "rings.npz"
     count = len(mesh.faces)
     np.savez(path, vertices=mesh.vertices, faces=mesh.faces, polygon=100 + np.arange(count))
-    garment = Garment(path)
+    (garment,) = resolve(Scene(garments=[Garment(path)])).garments
     with pytest.raises(InputError, match="'rings' has a piece that starts inside the body") as caught:
-        load_garment(garment, "rings", DressForm(ball()), SewingEdges(0.05, 0.05))
+        load_garment(garment, DressForm(ball()), SewingEdges(0.05, 0.05))
     assert set(caught.value.faces) == set(range(100 + count // 2, 100 + count))

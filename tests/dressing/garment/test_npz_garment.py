@@ -12,7 +12,8 @@ from toile.dressing.body.mannequin import mannequin
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.dress import dress
-from toile.dressing.run.garment_source import load_garment
+from toile.dressing.run.load_garment import load_garment
+from toile.dressing.run.resolved_scene import resolve
 from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
 from toile.geometry.arrays import Float, Int
@@ -44,7 +45,8 @@ def write(folder: Path, **arrays: Any) -> Path:
 def test_a_drafted_pattern_comes_back_as_it_was(tmp_path: Path) -> None:
     """Panels, warp, stitches and labels survive the way through arrays, as a program would give them."""
     form = DressForm(mannequin())
-    drafted = load_garment(Garment("tshirt"), "tshirt", form, SewingEdges(0.03, 0.03))
+    (shirt,) = resolve(Scene(garments=[Garment("tshirt")])).garments
+    drafted = load_garment(shirt, form, SewingEdges(0.03, 0.03))
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in drafted.held.items()}
     path = write(
         tmp_path, vertices=drafted.positions, faces=drafted.faces, uv=drafted.uv, uv_faces=drafted.faces,
@@ -61,6 +63,9 @@ def test_a_drafted_pattern_comes_back_as_it_was(tmp_path: Path) -> None:
     assert {tuple(sorted(pair)) for pair in read.stitches.tolist()} == pairs
     assert {label: set(found) for label, found in read.held.items()} == {
         label: set(found) for label, found in drafted.held.items()
+    }
+    assert {role: set(found) for role, found in read.edges.items()} == {
+        role: set(found) for role, found in drafted.edges.items()
     }
 
 

@@ -110,6 +110,18 @@ def test_held_vertices() -> None:
     assert np.array_equal(held, np.flatnonzero(mesh.uv[:, 1] == 0.3))
 
 
+def test_roles_of_panels_and_edges() -> None:
+    plain = front_and_back()
+    front = plain.panels[0]
+    edges = tuple(replace(edge, role="collar" if edge.label else None) for edge in front.edges)
+    pattern = replace(plain, panels=(replace(front, role="torso", edges=edges), *plain.panels[1:]))
+    mesh = mesh_pattern(pattern, edge_length=0.02)
+    assert mesh.panel_roles == ("torso", *[None] * (len(plain.panels) - 1))
+    assert list(mesh.edges) == ["collar"]
+    on_front = np.unique(mesh.faces[mesh.panel == 0])
+    assert np.array_equal(mesh.edges["collar"], np.intersect1d(mesh.held["neck"], on_front))
+
+
 def test_dart_leaves_out_its_tip() -> None:
     panel = loop((0, 0), (0.09, 0), (0.1, 0.1), (0.11, 0), (0.2, 0), (0.2, 0.2), (0, 0.2))
     pattern = Pattern(name="dart", panels=(panel,), stitches=(Stitch("p", 1, "p", 2),))

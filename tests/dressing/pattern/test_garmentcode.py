@@ -15,6 +15,7 @@ from toile.dressing.pattern.garmentcode_write import write_garmentcode
 from toile.dressing.pattern.pattern import Arc, Cubic, Edge, Panel, Pattern, Quadratic, Stitch
 from toile.dressing.pattern.pattern_curve import edge_length, edge_points
 from toile.dressing.pattern.pattern_outline import default_segments, is_clockwise, outline, to_world
+from toile.dressing.pattern.roles import EdgeRole
 from toile.geometry.errors import InputError
 
 Document = dict[str, Any]
@@ -209,7 +210,9 @@ def test_round_trip_is_exact(tmp_path: Path) -> None:
     )
     curves = (Quadratic((0.5, 0.1)), None, Cubic((0.3, 0.1), (0.7, 0.05)), Arc(2.0, False, True))
     labels = ("", "left_armhole", "", "lower_interface")
-    edges = tuple(Edge(i, (i + 1) % 4, curves[i], labels[i]) for i in range(4))
+    # Roles that labels have, none, and one that its edge's label has not.
+    roles: tuple[EdgeRole | None, ...] = ("collar", "armhole", None, "waist")
+    edges = tuple(Edge(i, (i + 1) % 4, curves[i], labels[i], roles[i]) for i in range(4))
     panel = Panel(
         name="a",
         vertices=corners,
@@ -217,9 +220,12 @@ def test_round_trip_is_exact(tmp_path: Path) -> None:
         translation=(0.1, 1.2, -0.3),
         rotation_degrees=(10.0, -20.5, 3.0),
         label="body",
+        role="torso",
         warp_degrees=45.0,
     )
-    other = Panel(name="b", vertices=corners, edges=tuple(Edge(i, (i + 1) % 4) for i in range(4)))
+    other = Panel(
+        name="b", role="sleeve", vertices=corners, edges=tuple(Edge(i, (i + 1) % 4) for i in range(4))
+    )
     stitches = (Stitch("a", 0, "b", 1), Stitch("a", 3, "b", 2, right_wrong=True))
     pattern = Pattern(name="drafted", panels=(panel, other), stitches=stitches)
     check_pattern(pattern)
@@ -328,3 +334,44 @@ def test_files_that_are_no_patterns(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="cannot be read"):
         read_garmentcode(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "role"),
+    [
+        ("left_sleeve_f", None, "sleeve"),
+        ("sl_left_cuff_skirt_b", "arm", "sleeve"),
+        ("manche", "arm", "sleeve"),
+        ("left_ftorso", "body", "torso"),
+        ("slip", "leg", "leg"),
+        ("left_hood", None, None),
+    ],
+)
+def test_role_of_a_panel(name: str, label: str | None, role: str | None, tmp_path: Path) -> None:
+    document = two_squares()
+    panels = document["pattern"]["panels"]
+    panels[name] = {**panels["left"], "label": label}
+    assert read(document, tmp_path).panel(name).role == role
+
+
+def test_roles_of_edges(tmp_path: Path) -> None:
+    document = two_squares()
+    labels = ("lower_interface", "strapless_top", "right_collar", "left_armhole")
+    for edge, label in zip(document["pattern"]["panels"]["left"]["edges"], labels, strict=True):
+        edge["label"] = label
+    document["pattern"]["panels"]["right"]["edges"][0]["label"] = "pocket"
+    pattern = read(document, tmp_path)
+    roles = [edge.role for edge in pattern.panel("left").edges]
+    assert roles == ["waist", "strapless_top", "collar", "armhole"]
+    assert {edge.role for edge in pattern.panel("right").edges} == {None}
+
+
+def test_role_that_the_file_gives_wins(tmp_path: Path) -> None:
+    document = two_squares()
+    left = document["pattern"]["panels"]["left"]
+    left["role"], left["edges"][2]["role"] = "sleeve", "waist"
+    panel = read(document, tmp_path).panel("left")
+    assert (panel.role, panel.edges[2].role) == ("sleeve", "waist")
+    left["edges"][2]["role"] = "knee"
+    with pytest.raises(InputError, match=r"panel 'left', edge 2: role must be one of waist, .*got 'knee'"):
+        read(document, tmp_path)

@@ -5,7 +5,7 @@ import pytest
 
 from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.run.progress import ProgressPrinter, ProgressState, TimeLeft, progress_text
-from toile.dressing.run.report import drape_report, report_bytes
+from toile.dressing.run.report import RunSeconds, drape_report, report_bytes
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState
 
 FIGURES = DrapeFigures(
@@ -38,16 +38,13 @@ FIGURES = DrapeFigures(
 def make(**changes: Any) -> dict[str, Any]:
     values: dict[str, Any] = {
         "status": "failed",
-        "failure": Failure(kind="Stuck", message="no way", where="panel a"),
+        "failure": Failure(kind="tangled", message="no way", where="panel a"),
         "figures": FIGURES,
         "quality": "preview",
         "options": DrapeOptions(edge_length=0.02, max_frames=100, tolerance=0.01),
         "avatar": {"name": "box"},
         "garments": [],
-        "wall_seconds": 3.0,
-        "cpu_seconds": 2.0,
-        "io_seconds": 0.5,
-        "compile_seconds": 0.125,
+        "seconds": RunSeconds(wall=3.0, cpu=2.0, io=0.5, compile=0.125),
     }
     return drape_report(**{**values, **changes})
 
@@ -55,7 +52,7 @@ def make(**changes: Any) -> dict[str, Any]:
 def test_every_promised_key_is_there() -> None:
     report = json.loads(report_bytes(make()))
     assert report["status"] == "failed"
-    assert report["failure"] == {"class": "Stuck", "message": "no way", "where": "panel a"}
+    assert report["failure"] == {"class": "tangled", "message": "no way", "where": "panel a"}
     for key in ("frames", "simulated_seconds", "wall_seconds", "cpu_seconds", "steps", "residual"):
         assert key in report
     assert report["newton_iterations"] == 60
@@ -81,7 +78,7 @@ def test_json_has_no_infinities() -> None:
 
 
 def test_only_volatile_keys_differ_between_runs() -> None:
-    first, second = make(), make(wall_seconds=9.0, cpu_seconds=8.0, io_seconds=7.0)
+    first, second = make(), make(seconds=RunSeconds(wall=9.0, cpu=8.0, io=7.0, compile=6.0))
     assert {key for key in first if first[key] != second[key]} <= set(VOLATILE_KEYS)
 
 

@@ -91,7 +91,10 @@ GARMENT = '[[garment]]\nsource = "tshirt"\n'
         ("threads = 2\n" + GARMENT, "line 1: unknown key 'threads'"),
         ('fabric = "canvas"\n' + GARMENT, "line 1: .*default_fabric = 'canvas'"),
         ('friction_between = [["denim", 0.5]]\n' + GARMENT, "line 1: friction_between: each entry is two"),
-        ('friction_between = [["a", "b", 11]]\n' + GARMENT, "friction_between a and b must lie between"),
+        (
+            'friction_between = [["a", "b", 11]]\n' + GARMENT,
+            "line 1: friction_between a and b must lie",
+        ),
         ('quality = "hight"\n' + GARMENT, "line 1: unknown quality 'hight'; known are: preview"),
         ("edge_length = -1\n" + GARMENT, "line 1: edge_length must lie between"),
         ("[[garment]]\nname = 'a'\n", r"line 1: a \[\[garment\]\] needs a source"),

@@ -31,7 +31,7 @@ def placed(half: float, height: float, name: str) -> GarmentMesh:
 def sleeve(half: float, at: Float) -> GarmentMesh:
     """A square sleeve panel around a place [m]."""
     flat = panels(half, 0.3)
-    return replace(flat, positions=flat.positions + at, panel_names=("left_sleeve",))
+    return replace(flat, positions=flat.positions + at, panel_names=("arm piece",), panel_roles=("sleeve",))
 
 
 def test_wide_garment_draws_the_arms_in(body: Avatar) -> None:

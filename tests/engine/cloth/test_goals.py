@@ -13,9 +13,11 @@ from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import FilmPlan
 from toile.engine.film.simulate import Simulation
+from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.cloth_forces import cloth_forces, cloth_stepper
 from toile.engine.step.options import StageClock
-from toile.engine.step.step import ClothStepper
+from toile.engine.step.state import Instant
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
 
@@ -38,32 +40,33 @@ def goal_energy(cloth: Cloth, x: Float) -> float:
 
 
 def test_the_step_has_the_derivatives_of_the_energy() -> None:
-    """Gradient of the stepper and stencils of the goals, pins aside, by central differences."""
+    """Gradient of a cloth's forces and stencils of the goals, pins aside, by central differences."""
     cloth = level_sheet(0.3, 0.2, 0.1, 0.0)
     generator = np.random.default_rng(1)
     count = len(cloth.positions)
     pinned = np.arange(count) < 2
     soft = drawn(replace(cloth, pinned=pinned), generator.uniform(0.0, 200.0, count))
     x = cloth.positions + generator.normal(scale=0.02, size=(count, 3))
-    gradients = []
-    for own in (soft, replace(soft, goals=None)):
-        stepper = ClothStepper(own, None, options(), StageClock())
-        stepper.membrane.evaluate(x)
-        gradients.append(stepper.gradient(x, np.zeros_like(x), StepRequest(h=0.01, at_rest=False)))
+    now = Instant(StepRequest(h=0.01, at_rest=False), np.zeros_like(x))
+    gradients = [np.zeros_like(x), np.zeros_like(x)]
+    for own, total in zip((soft, replace(soft, goals=None)), gradients, strict=True):
+        for force in cloth_forces(own, options()):
+            if force.begin(now, x):
+                force.add_gradient(x, total)
     gradient = gradients[0] - gradients[1]
-    assert soft.goals is not None
-    springs = soft.goals.springs(soft.node_area, pinned)
-    assert springs is not None and springs.nodes.tolist() == list(range(2, count))
-    stencils = springs.stencils(1.0)
-    for row, node in enumerate(springs.nodes):
+    springs = GoalPull.for_cloth(soft)
+    assert springs is not None and springs.held.tolist() == list(range(2, count))
+    assert springs.begin(now, x)
+    stencils = springs.stencils()
+    for row, node in enumerate(springs.held):
         for axis in range(3):
             step = np.zeros_like(x)
             step[node, axis] = 1e-4
             slope = (goal_energy(soft, x + step) - goal_energy(soft, x - step)) / 2e-4
             assert gradient[node, axis] == pytest.approx(slope, abs=1e-8)
             there, back = np.zeros_like(x), np.zeros_like(x)
-            springs.add_gradient(x + step, 1.0, there)
-            springs.add_gradient(x - step, 1.0, back)
+            springs.add_gradient(x + step, there)
+            springs.add_gradient(x - step, back)
             assert stencils.stiffness[row, :, axis] == pytest.approx((there - back)[node] / 2e-4, abs=1e-8)
     assert not gradient[:2].any()
 
@@ -71,7 +74,7 @@ def test_the_step_has_the_derivatives_of_the_energy() -> None:
 @pytest.mark.parametrize("edge", [0.1, 0.03])
 def test_cloth_sinks_by_its_weight_over_the_stiffness_on_any_mesh(edge: float) -> None:
     cloth = drawn(level_sheet(0.4, 0.3, edge, 0.0))
-    stepper = ClothStepper(cloth, None, options(), StageClock())
+    stepper = cloth_stepper(cloth, None, options(), StageClock())
     for _ in range(30):
         stepper.step(StepRequest(h=0.25, at_rest=True, cg_tolerance=1e-8, motion_max=np.inf))
     sag = cloth.fabrics[0].areal_density * GRAVITY / STIFFNESS
@@ -160,7 +163,7 @@ def test_goals_that_hold_nothing_cost_nothing() -> None:
     plan = FilmPlan(step=options(), newton=2)
     one, _ = film(cloth, 0.1, plan)
     other, _ = film(idle, 0.1, plan)
-    assert other.stepper.goals is None and one.stepper.goals is None
+    assert other.stepper.force(GoalPull) is None and one.stepper.force(GoalPull) is None
     assert np.array_equal(one.stepper.x, other.stepper.x)
 
 

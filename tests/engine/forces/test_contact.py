@@ -12,8 +12,8 @@ from toile.engine.cloth.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw, Contacts, PairFriction, evaluate_contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock, StepOptions
-from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float, Int
 
 RADIUS = 0.01
@@ -199,7 +199,7 @@ def incline(
     height = 0.002 - area_load / options.law_body.stiffness
     placed = np.ascontiguousarray((points + np.array([0.0, height, 0.0])) @ tilt)
     cloth = _square(placed, faces, rest, friction)
-    stepper = ClothStepper(
+    stepper = cloth_stepper(
         cloth, AvatarSurface(np.ascontiguousarray(ground), ground_faces), options, StageClock()
     )
     downhill = -tilt[0]

@@ -3,10 +3,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from toile.engine.forces.membrane import Membrane
+from toile.engine.solve.assembly import node_pairs
 from toile.geometry.arrays import Float, as_positions
 from toile.geometry.topology import triangle_topology
 from toile.studies.scenes.flat_meshes import KINDS, mesh
-from toile.studies.validation.heavy_strip import PAIRS
 from toile.studies.validation.validate_patch import SHEAR, WARP, WEFT, membrane_of
 
 REST = np.array([[[0.1, 0.0], [1.1, 0.3], [0.4, 0.9]]])
@@ -15,7 +15,7 @@ FACE = np.array([[0, 1, 2]], np.int32)
 
 def full_hessian(membrane: Membrane) -> Float:
     blocks = np.zeros((3, 3, 3, 3))
-    for pair, (a, b) in enumerate(PAIRS):
+    for pair, (a, b) in enumerate(node_pairs(3)):
         blocks[a, :, b, :] = membrane.element_hessian[0, pair]
         blocks[b, :, a, :] = membrane.element_hessian[0, pair].T
     return blocks.reshape(9, 9)

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from toile.dressing.garment.fabrics import fabric
+from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.forces.gusts import Gusts
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.spring import SpringDamping, Springs
 from toile.engine.forces.wind import AirFlow
-from toile.engine.integrators.motion import Motion
-from toile.engine.integrators.tr_bdf2 import TrBdf2
 from toile.engine.solve.assembly import scatter_gradients, scatter_hessians
 from toile.engine.solve.block_pattern import BlockPattern
 from toile.geometry.arrays import Float
 from toile.studies.scenes.flat_meshes import KINDS, mesh
-from toile.studies.scenes.spring_cloth import grid_springs, mesh_springs, spring_dynamics
+from toile.studies.scenes.motion import Solving, carried_on, free_options
+from toile.studies.scenes.spring_cloth import grid_springs, mesh_springs, spring_stepper
 
 COTTON = fabric("cotton-poplin")
 STEP = 1e-6
@@ -177,12 +177,10 @@ def test_wind_carries_a_net_along() -> None:
     net = grid_springs(0.3, 0.2, 6, 4, COTTON)
     air = AirFlow(velocity=(0.0, 0.0, 2.0), resistance=8.0)
     free = np.zeros(len(net.mass), bool)
-    dynamics = spring_dynamics(net, free, gravity=0.0, air=air, damping=1e-3)
     points = grid_points(0.3, 0.2, 6, 4)
-    motion = Motion(points, np.zeros_like(points))
-    for _ in range(20):
-        motion = TrBdf2().step(dynamics, motion, 0.01).motion
-    assert motion.velocities.mean(axis=0) == pytest.approx([0.0, 0.0, 2.0], abs=1e-3)
+    stepper = spring_stepper(net, points, free, free_options(gravity=0.0, air=air), damping=1e-3)
+    carried_on(stepper, tr_bdf2, Solving(), 0.2, 0.01)
+    assert stepper.v.mean(axis=0) == pytest.approx([0.0, 0.0, 2.0], abs=1e-3)
 
 
 def test_gusts_are_those_of_their_seed_and_have_their_intensity() -> None:

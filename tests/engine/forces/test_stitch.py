@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
+from toile.engine.step.state import Instant
 from toile.geometry.arrays import Float
 
 STIFFNESS = 250.0
@@ -10,7 +12,13 @@ STIFFNESS = 250.0
 def scene(seed: int) -> tuple[Stitches, Float, Float]:
     generator = np.random.default_rng(seed)
     pairs = np.array([(0, 1), (2, 3), (1, 4), (4, 0)], np.int32)
-    return Stitches(pairs), generator.normal(size=(5, 3)), generator.uniform(0.0, 0.5, size=4)
+    x, length = generator.normal(size=(5, 3)), generator.uniform(0.0, 0.5, size=4)
+    stitches = Stitches(pairs, length)
+    request = StepRequest(
+        h=0.01, at_rest=True, stitch_share=1.0, stitch_stiffness=STIFFNESS, stitch_reach=np.inf
+    )
+    assert stitches.begin(Instant(request, np.zeros_like(x)), x)
+    return stitches, x, length
 
 
 def scattered(stitches: Stitches, count: int) -> Float:
@@ -29,9 +37,7 @@ def test_gradient_is_the_derivative_of_the_energy(seed: int) -> None:
         for axis in range(3):
             step = np.zeros_like(x)
             step[node, axis] = 1e-6
-            slope = stitches.energy(x + step, length, STIFFNESS) - stitches.energy(
-                x - step, length, STIFFNESS
-            )
+            slope = stitches.energy(x + step) - stitches.energy(x - step)
             assert gradient[node, axis] == pytest.approx(slope / 2e-6, rel=1e-6, abs=1e-6)
 
 
@@ -56,7 +62,7 @@ def test_stretched_stitches_have_the_exact_hessian() -> None:
 @pytest.mark.parametrize("distance", [0.0, 1e-12, 0.01, 0.1, 1.0])
 @pytest.mark.parametrize("length", [0.0, 0.05, 2.0])
 def test_blocks_are_finite_and_positive_whatever_the_length(distance: float, length: float) -> None:
-    stitches = Stitches(np.array([(0, 1)], np.int32))
+    stitches = Stitches(np.array([(0, 1)], np.int32), np.array([length]))
     x = np.array([(0.3, 0.2, 0.1), (0.3, 0.2 + distance, 0.1)])
     stitches.evaluate(x, np.array([length]), STIFFNESS)
     assert np.isfinite(stitches.element_gradient).all()

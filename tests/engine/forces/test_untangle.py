@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from toile.collide.audit import crossings_within
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.untangle import Untangling
+from toile.engine.step.state import Instant
 from toile.geometry.arrays import Float, Int
 
 STIFFNESS = 50.0
@@ -58,11 +60,19 @@ def bump(height: float) -> Float:
     return np.asarray(-0.004 + height * np.exp(-(place[:, 0] ** 2 + place[:, 1] ** 2) / 0.02**2))
 
 
-def forces(x: Float, faces: Int) -> tuple[Untangling, Float]:
-    springs = Untangling(faces, np.arange(len(x), dtype=np.int32), len(x))
+def untangling(x: Float, faces: Int, cloth_nodes: int) -> Untangling:
+    """The springs as they are at x in a step of that stiffness."""
+    springs = Untangling(faces, np.arange(len(x), dtype=np.int32), cloth_nodes, x)
+    request = StepRequest(h=0.01, at_rest=True, untangle_stiffness=STIFFNESS)
+    assert springs.begin(Instant(request, np.zeros_like(x)), x[:cloth_nodes])
     springs.evaluate(x)
+    return springs
+
+
+def forces(x: Float, faces: Int) -> tuple[Untangling, Float]:
+    springs = untangling(x, faces, len(x))
     gradient = np.zeros_like(x)
-    springs.add_gradient(STIFFNESS, gradient)
+    springs.add_gradient(x, gradient)
     return springs, -gradient
 
 
@@ -79,7 +89,7 @@ def test_a_step_along_the_forces_shortens_the_curve() -> None:
 def test_forces_are_in_balance() -> None:
     x, faces = pair(bump(0.02))
     springs, force = forces(x, faces)
-    assert len(springs.nodes)
+    assert len(springs.ends)
     assert force.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-12)
     assert springs.weights.sum(axis=1) == pytest.approx(1.0)
 
@@ -87,26 +97,24 @@ def test_forces_are_in_balance() -> None:
 def test_nothing_crosses_nothing_is_drawn() -> None:
     x, faces = pair(bump(0.002))
     springs, force = forces(x, faces)
-    assert len(springs.nodes) == 0 and not force.any()
-    assert len(springs.stencils(STIFFNESS).nodes) == 0
+    assert len(springs.ends) == 0 and not force.any()
+    assert len(springs.stencils().nodes) == 0
 
 
 def test_avatar_vertices_are_pushed_against_but_do_not_move() -> None:
     x, faces = pair(bump(0.02))
     count = len(x) // 2
-    springs = Untangling(faces, np.arange(len(x), dtype=np.int32), count)
-    springs.evaluate(x)
-    assert springs.nodes.max() < count
+    springs = untangling(x, faces, count)
+    assert springs.ends.max() < count
     gradient = np.zeros((count, 3))
-    springs.add_gradient(STIFFNESS, gradient)
+    springs.add_gradient(x[:count], gradient)
     assert gradient.any()
 
 
 def test_where_only_the_avatar_crosses_itself_there_are_no_springs() -> None:
     x, faces = pair(bump(0.02))
-    springs = Untangling(faces, np.arange(len(x), dtype=np.int32), 0)
-    springs.evaluate(x)
-    assert len(springs.nodes) == 0
+    springs = untangling(x, faces, 0)
+    assert len(springs.ends) == 0
 
 
 def test_a_bump_that_pokes_through_is_drawn_back() -> None:

@@ -10,14 +10,22 @@ import pytest
 from toile.collide.search import ContactSearch
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.goals import Goals
 from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import DrapePlan, Frame
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.goal import GoalPull
+from toile.engine.forces.hold import Holds
+from toile.engine.forces.membrane import Membrane
+from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.step_request import StepRequest
-from toile.engine.step import cloth_run, step
+from toile.engine.forces.stitch import Stitches
+from toile.engine.forces.untangle import Untangling
+from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.step import cloth_forces, cloth_run, collisions
+from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock, StepOptions
-from toile.engine.step.step import ClothStepper
 from toile.studies.scenes.flat_meshes import mesh
 
 GRAVITY = 9.81
@@ -59,25 +67,20 @@ def forbidden(what: str) -> Callable[..., Any]:
 @pytest.fixture
 def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make everything that such a scene does not need raise."""
-    for name in (
-        "ContactSearch",
-        "evaluate_contacts",
-        "safe_factors",
-        "Stitches",
-        "SewingHolds",
-        "Wind",
-        "Untangling",
-    ):
-        monkeypatch.setattr(step, name, forbidden(name))
+    for name in ("Collisions", "MembraneDamping", "SewingHolds", "Stitches", "Wind", "vertex_normals"):
+        monkeypatch.setattr(cloth_forces, name, forbidden(name))
+    for name in ("ContactSearch", "Untangling", "evaluate_contacts", "safe_factors", "safe_in_motion"):
+        monkeypatch.setattr(collisions, name, forbidden(name))
+    monkeypatch.setattr(GoalPull, "__init__", forbidden("GoalPull"))
     monkeypatch.setattr(cloth_run, "AvatarSurface", forbidden("AvatarSurface"))
 
 
 @pytest.mark.usefixtures("bare")
 def test_free_cloth_falls_without_search_stitches_holds_or_bending(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bending, "for_cloth", forbidden("Bending"))
-    stepper = ClothStepper(sheet(SLACK), None, options(), StageClock())
-    for name in ("search", "stitches", "holds", "untangling", "wind", "bending", "pinned"):
-        assert getattr(stepper, name) is None
+    stepper = cloth_stepper(sheet(SLACK), None, options(), StageClock())
+    assert [type(force) for force in stepper.forces] == [Membrane]
+    assert stepper.collisions is None and stepper.pinned is None
     before = stepper.x.copy()
     h = 0.01
     outcome = stepper.step(StepRequest(h=h, at_rest=True, cg_tolerance=1e-10))
@@ -104,11 +107,29 @@ def test_frame_loop_skips_what_has_nothing_to_do() -> None:
 
 
 def test_what_is_asked_is_there() -> None:
-    """The twin: the same sheet with bending, a stitch and self-contact has them."""
+    """The twin: the same sheet with bending, damping, a stitch, goals, air and self-contact has them."""
+    cloth = sheet(replace(SLACK, bending_bias=1e-6, damping=1e-3))
+    count = len(cloth.positions)
     cloth = replace(
-        sheet(replace(SLACK, bending_bias=1e-6)), stitches=np.array([(0, 3)], np.int32),
-        seam=np.zeros(1, np.int32), stitch_length=np.ones(1),
+        cloth, stitches=np.array([(0, 3)], np.int32), seam=np.zeros(1, np.int32), stitch_length=np.ones(1),
+        goals=Goals(stiffness=np.ones(count), places=cloth.positions),
     )  # fmt: skip
-    stepper = ClothStepper(cloth, None, options(self_contact=True), StageClock())
-    assert isinstance(stepper.search, ContactSearch)
-    assert stepper.stitches is not None and stepper.holds is not None and stepper.bending is not None
+    air = AirFlow(velocity=(0.0, 0.0, 0.0), resistance=1.0)
+    stepper = cloth_stepper(cloth, None, replace(options(self_contact=True), air=air), StageClock())
+    assert stepper.collisions is not None and isinstance(stepper.collisions.search, ContactSearch)
+    for kind in (Membrane, MembraneDamping, Bending, Stitches, Holds, GoalPull, Wind):
+        assert isinstance(stepper.force(kind), kind)
+    assert stepper.force(Untangling) is None
+    stepper.let_pass(np.ones(count, bool))
+    assert isinstance(stepper.force(Untangling), Untangling)
+    stepper.let_pass(np.zeros(count, bool))
+    assert stepper.force(Untangling) is None
+
+
+@pytest.mark.usefixtures("bare")
+def test_damping_is_there_for_the_fabric_that_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    damped = sheet(replace(SLACK, damping=1e-3))
+    assert cloth_stepper(sheet(SLACK), None, options(), StageClock()).force(MembraneDamping) is None
+    monkeypatch.setattr(cloth_forces, "MembraneDamping", MembraneDamping)
+    stepper = cloth_stepper(damped, None, options(), StageClock())
+    assert [type(force) for force in stepper.forces] == [Membrane, MembraneDamping]

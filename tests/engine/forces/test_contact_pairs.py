@@ -9,9 +9,8 @@ from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.contact_pairs import BODY, node_thickness, pair_friction
-from toile.engine.forces.step_request import StepRequest
+from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock
-from toile.engine.step.step import ClothStepper
 
 THIN = replace(SLACK, name="thin", thickness=1e-4, friction_body=0.2, friction_self=0.1)
 THICK = replace(SLACK, name="thick", thickness=4e-3, friction_body=0.6, friction_self=0.4)
@@ -58,9 +57,9 @@ def test_friction_is_of_the_pair() -> None:
 @pytest.mark.parametrize(("gap", "touches"), [(0.0024, True), (0.0026, False)])
 def test_two_layers_keep_half_of_both_their_radii(gap: float, touches: bool) -> None:
     """Thin cloth has the least radius of 1 mm, thick cloth its own 4 mm: together 2.5 mm."""
-    stepper = ClothStepper(two_sheets(gap), None, options(self_contact=True), StageClock())
-    contacts = stepper.contacts(StepRequest(h=0.01, at_rest=True))
-    assert contacts is not None and bool(contacts.count) is touches
+    stepper = cloth_stepper(two_sheets(gap), None, options(self_contact=True), StageClock())
+    assert stepper.collisions is not None
+    assert bool(stepper.collisions.detect(stepper.x).count) is touches
 
 
 def test_thick_cloth_lies_farther_from_the_body_than_thin_cloth() -> None:
@@ -68,6 +67,6 @@ def test_thick_cloth_lies_farther_from_the_body_than_thin_cloth() -> None:
     faces = np.array([(0, 1, 2), (0, 2, 3)], np.int32)
     for fabric, touches in ((THIN, False), (THICK, True)):
         cloth = replace(sheet(fabric), fabrics=(fabric,))
-        stepper = ClothStepper(cloth, AvatarSurface(plate, faces), options(), StageClock())
-        contacts = stepper.contacts(StepRequest(h=0.01, at_rest=True))
-        assert contacts is not None and bool(contacts.count) is touches
+        stepper = cloth_stepper(cloth, AvatarSurface(plate, faces), options(), StageClock())
+        assert stepper.collisions is not None
+        assert bool(stepper.collisions.detect(stepper.x).count) is touches

@@ -1,0 +1,60 @@
+"""Who is told how a run goes on."""
+
+from collections.abc import Callable
+
+from toile.dressing.run.progress import Progress, ProgressState, TimeLeft
+from toile.dressing.run.result import Record
+from toile.dressing.wear.drape_types import FrameState
+
+Say = Callable[[str], None]
+"""Called with one sentence."""
+
+
+class Listener:
+    """The functions that a caller of `dress` gave, each perhaps None.
+
+    Attributes
+    ----------
+    say
+        Says a sentence to the caller.
+    record
+        Gives it a frame's number and garments.
+    """
+
+    def __init__(
+        self, progress: Progress | None = None, say: Say | None = None, record: Record | None = None
+    ) -> None:
+        self._progress = progress
+        self.say: Say = say or _nothing
+        self.record: Record = record or _nothing
+
+    def on_frame(self, tolerance: float) -> Callable[[FrameState], bool]:
+        """Return the engine's callback: estimates the time left and passes the frame on.
+
+        It returns False if the caller cancels. `tolerance` [m] is where the drape counts as converged.
+        """
+        clock = TimeLeft(tolerance)
+
+        def on_frame(state: FrameState) -> bool:
+            left = clock.update(state)
+            if self._progress is None:
+                return True
+            answer = self._progress(
+                ProgressState(
+                    frame=state.frame,
+                    max_frames=state.max_frames,
+                    faces=state.faces,
+                    contacts=state.contacts,
+                    residual=state.residual,
+                    tolerance=tolerance,
+                    seconds=state.seconds,
+                    seconds_left=left,
+                )
+            )
+            return answer is not False
+
+        return on_frame
+
+
+def _nothing(*_: object) -> None:
+    """Do nothing, where nobody listens."""

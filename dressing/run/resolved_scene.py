@@ -1,0 +1,198 @@
+"""A scene with every choice made: presets looked up, names found, defaults filled in, numbers at hand."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from toile.dressing.body.avatar import Avatar
+from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fabrics import checked_fabric, fabrics
+from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
+from toile.dressing.run.garment_source import GarmentSource, checked_source, default_name
+from toile.dressing.run.quality import Quality, quality_preset
+from toile.dressing.run.result import file_stem
+from toile.dressing.run.scene import AvatarFile, AvatarSource, Garment, MannequinSize, Scene
+from toile.engine.cloth.fabric import Fabric
+from toile.engine.forces.wind import AirFlow
+from toile.geometry.errors import InputError, about
+from toile.remesh.sizing.sizing import SizingOptions
+
+SEWING_FINENESS = 1.0, 0.92
+"""Edge length in which a garment is sewn whose mesh stays, in edges as asked for; the next if seams jam."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResolvedGarment:
+    """One garment of a scene.
+
+    Attributes
+    ----------
+    name
+        Name in output files, which no other garment of the scene has.
+    source
+        What it is made from.
+    fabric
+        Its fabric, checked.
+    self_contact, pins, warp_angle, units, up
+        As in `Garment`.
+    """
+
+    name: str
+    source: GarmentSource
+    fabric: Fabric
+    self_contact: bool
+    pins: tuple[str | int, ...]
+    warp_angle: float | Mapping[str, float]
+    units: str | None
+    up: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResolvedScene:
+    """What a run needs to know of a scene; `resolve` has checked all of it that can be checked unread.
+
+    Attributes
+    ----------
+    garments
+        From the body outwards.
+    avatar
+        The body, or where it comes from.
+    quality
+        Name of the quality.
+    tolerance
+        Residual below which the drape is converged [m].
+    max_frames
+        Frames after which it stops.
+    edge_length
+        Edge length of the triangles, of the finest where the mesh adapts and `sizing` has not another [m].
+    sizing
+        How the mesh adapts, or None.
+    sewing
+        Edges in which the garments are sewn, one after the other until seams close.
+    gravity
+        Downward acceleration [m/s^2].
+    friction
+        Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
+    friction_between
+        Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
+    air
+        Air around garments that follow a body in motion, or None.
+    formats
+        As in `Scene`.
+    """
+
+    garments: tuple[ResolvedGarment, ...]
+    avatar: AvatarSource
+    quality: str
+    tolerance: float
+    max_frames: int
+    edge_length: float
+    sizing: SizingOptions | None
+    sewing: tuple[SewingEdges, ...]
+    gravity: float
+    friction: float | None
+    friction_between: Mapping[frozenset[str], float]
+    air: AirFlow | None
+    formats: Sequence[str]
+
+
+def resolve(scene: Scene) -> ResolvedScene:
+    """Return a scene with every choice made.
+
+    No file is read. Raises InputError if a fabric, a garment's file or a built-in pattern does not exist, or
+    if no cloth is like a fabric.
+    """
+    cloth = [_fabric_of(garment, scene) for garment in scene.garments]
+    sources = [checked_source(garment) for garment in scene.garments]
+    quality = quality_preset(scene.quality)
+    edge_length = scene.edge_length or quality.edge_length
+    sizing = _sizing(scene.remesh, quality, edge_length)
+    return ResolvedScene(
+        garments=tuple(
+            ResolvedGarment(
+                name=name, source=source, fabric=fabric, self_contact=garment.self_contact, pins=garment.pins,
+                warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
+            )
+            for garment, name, source, fabric in zip(
+                scene.garments, _unique_names(scene.garments), sources, cloth, strict=True
+            )
+        ),
+        avatar=_avatar_source(scene.avatar),
+        quality=quality.name,
+        tolerance=quality.tolerance,
+        max_frames=scene.max_frames or quality.max_frames,
+        edge_length=edge_length,
+        sizing=sizing,
+        sewing=_sewing(sizing, edge_length),
+        gravity=scene.gravity,
+        friction=scene.friction,
+        friction_between=_friction_between(scene.friction_between, cloth),
+        air=None if scene.air is None else scene.air.flow(),
+        formats=scene.formats,
+    )  # fmt: skip
+
+
+def _fabric_of(garment: Garment, scene: Scene) -> Fabric:
+    """Return a garment's fabric, checked."""
+    choice = scene.fabric_of(garment)
+    # A fabric that the scene has for all is no fault of one garment.
+    with about(garment=None if garment.fabric is None else default_name(garment)):
+        if isinstance(choice, Fabric):
+            return checked_fabric(choice)
+        known = {**fabrics(), **scene.fabrics}
+        if choice not in known:
+            raise InputError(unknown_name("fabric", choice, known), field="fabric")
+        return checked_fabric(known[choice])
+
+
+def _unique_names(garments: Sequence[Garment]) -> list[str]:
+    """Return one name per garment, with numbers where two would write the same file."""
+    names: list[str] = []
+    taken = {"body", "dressed"}
+    for garment in garments:
+        base = name = default_name(garment)
+        number = 2
+        while file_stem(name).lower() in taken:
+            name = f"{base}_{number}"
+            number += 1
+        taken.add(file_stem(name).lower())
+        names.append(name)
+    return names
+
+
+def _avatar_source(avatar: object) -> AvatarSource:
+    """Return where the avatar comes from, by default the built-in mannequin of its own size."""
+    if avatar is None:
+        return MannequinSize()
+    if not isinstance(avatar, Avatar | AvatarFile | MannequinSize):
+        raise InputError(
+            f"avatar must be an Avatar, a file or a mannequin size, got {avatar!r}", field="avatar"
+        )
+    return avatar
+
+
+def _sizing(remesh: bool | SizingOptions, quality: Quality, edge_length: float) -> SizingOptions | None:
+    """Return how the mesh adapts: as the scene says, or as its quality does."""
+    if isinstance(remesh, SizingOptions):
+        return remesh
+    return quality.sizing(edge_length) if remesh else None
+
+
+def _sewing(sizing: SizingOptions | None, edge_length: float) -> tuple[SewingEdges, ...]:
+    """Return the edges to sew in, longer ones where the mesh adapts later."""
+    if sizing is not None:
+        return tuple(sewing_edges(sizing.size_min, sizing.size_max))
+    return tuple(SewingEdges(factor * edge_length, factor * edge_length) for factor in SEWING_FINENESS)
+
+
+def _friction_between(
+    pairs: Mapping[tuple[str, str], float], worn: list[Fabric]
+) -> dict[frozenset[str], float]:
+    """Return the coefficients of named pairs, names checked against the fabrics that are worn."""
+    known = dict.fromkeys([*(fabric.name for fabric in worn), "body"])
+    for pair in pairs:
+        for name in pair:
+            if name not in known:
+                raise InputError(
+                    f"friction_between: {unknown_name('fabric', name, known)}", field="friction_between"
+                )
+    return {frozenset(pair): value for pair, value in pairs.items()}

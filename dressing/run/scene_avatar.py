@@ -1,0 +1,37 @@
+"""From what a scene says of its avatar to the avatar."""
+
+from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar
+from toile.dressing.body.avatar import Avatar, load_avatar
+from toile.dressing.run.scene import AvatarFile, AvatarSource
+from toile.geometry.errors import InputError, about
+
+
+def load_scene_avatar(source: AvatarSource) -> Avatar:
+    """Return the avatar, read or built. Raises InputError naming the file or the size at fault."""
+    if isinstance(source, Avatar):
+        return source
+    with about(field="avatar"):
+        if isinstance(source, AvatarFile):
+            return _read(source)
+        sizes = source.given()
+        if not sizes:
+            from toile.dressing.body.stored_mannequin import stored_mannequin
+
+            return stored_mannequin()
+        from toile.dressing.body.mannequin import mannequin
+
+        return mannequin(**sizes)
+
+
+def _read(file: AvatarFile) -> Avatar:
+    """Return the avatar of a file or folder, with its motion if it has one."""
+    if is_animated(file.path):
+        return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps)
+    if file.fps is not None:
+        raise InputError(
+            f"{file.path}: fps is for an avatar that moves; give an .npz, an animated .glb or a folder "
+            "of meshes",
+            file=file.path,
+            field="fps",
+        )
+    return load_avatar(file.path, units=file.units, up=file.up)

@@ -1,0 +1,260 @@
+"""Every force of the engine in a step of its own, for tests of what all have in common."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tests.engine.forces.moving_step import MovingStep
+from tests.engine.forces.test_bend import unrolled_corners
+from tests.engine.forces.test_untangle import bump, pair
+from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
+from toile.collide.search import AvatarSurface
+from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.goals import Goals
+from toile.engine.forces.bend import Bending, bending_tensor
+from toile.engine.forces.force import Force
+from toile.engine.forces.goal import GoalPull
+from toile.engine.forces.hold import Holds, SewingHolds
+from toile.engine.forces.membrane import Membrane
+from toile.engine.forces.membrane_damping import MembraneDamping
+from toile.engine.forces.spring import SpringDamping, Springs
+from toile.engine.forces.step_request import StepRequest
+from toile.engine.forces.stitch import Stitches
+from toile.engine.forces.untangle import Untangling
+from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.solve.hessian import Hessian
+from toile.engine.step.collisions import Collisions
+from toile.geometry.arrays import Float
+from toile.geometry.normals import vertex_normals
+from toile.studies.scenes.flat_meshes import mesh
+from toile.studies.validation.validate_curvature import rolled
+
+REQUEST = StepRequest(
+    h=0.02, at_rest=False, stitch_share=0.5, stitch_stiffness=40.0, stitch_reach=10.0, hold_stiffness=30.0,
+    untangle_stiffness=50.0,
+)  # fmt: skip
+PAIRS = np.array([(0, 1), (2, 3), (1, 4), (4, 0)], np.int32)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A force in a step from `start` that may end at x [m], shapes (n, 3).
+
+    `exact` says that all second derivatives are positive there, so that none is left out. `reach` is how far
+    differences go [m].
+    """
+
+    force: Force
+    start: Float
+    x: Float
+    exact: bool = True
+    request: StepRequest = REQUEST
+    reach: float = 1e-6
+
+    def begun(self) -> bool:
+        """Begin the step, and find what a force finds where the nodes are."""
+        acts = self.force.begin(MovingStep(self.request, self.start), self.start)
+        if isinstance(self.force, Collisions):
+            self.force.detect(self.x)
+        if isinstance(self.force, Untangling):
+            self.force.evaluate(self.x)
+        return acts
+
+    def gradient(self, x: Float) -> Float:
+        total = np.zeros_like(x)
+        self.force.add_gradient(x, total)
+        return total
+
+    def linearised(self, x: Float) -> tuple[Float, Float]:
+        """Gradient, shape (n, 3), and Hessian, shape (3 n, 3 n), as `linearise` adds them."""
+        nodes, constant = self.force.nodes, self.force.constant_matrix
+        hessian = Hessian(len(x), [] if nodes is None else [nodes])
+        total = np.zeros_like(x)
+        self.force.linearise(x, total, hessian)
+        return total, hessian.to_dense(None if constant is None else constant.toarray())
+
+    def differences(self, of: Callable[[Float], Any]) -> Float:
+        """Central differences at x in every direction, shape (3 n, ...)."""
+        rows = []
+        for entry in range(self.x.size):
+            way = np.zeros(self.x.size)
+            way[entry] = self.reach
+            there, back = self.x + way.reshape(-1, 3), self.x - way.reshape(-1, 3)
+            rows.append((np.asarray(of(there)) - np.asarray(of(back))).ravel() / (2.0 * self.reach))
+        return np.array(rows)
+
+
+def piece(compression: float = 0.1) -> tuple[Cloth, Membrane]:
+    cloth = sheet(replace(SLACK, compression=compression))
+    ones = np.ones(len(cloth.faces))
+    return cloth, Membrane(cloth.face_nodes, cloth.rest_corners, 30.0 * ones, 20.0 * ones, 5.0 * ones, 0.1)
+
+
+def shaken(x: Float, by: float, seed: int = 0) -> Float:
+    return np.asarray(x + by * np.random.default_rng(seed).normal(size=x.shape))
+
+
+def stretched_membrane() -> Case:
+    """Along both threads, without shear."""
+    cloth, membrane = piece()
+    return Case(membrane, cloth.positions, cloth.positions * [1.2, 1.1, 1.0])
+
+
+def crumpled_membrane() -> Case:
+    cloth, membrane = piece()
+    return Case(membrane, cloth.positions, shaken(0.8 * cloth.positions, 0.03), exact=False)
+
+
+def membrane_damping() -> Case:
+    cloth, membrane = piece()
+    start = shaken(cloth.positions, 0.03)
+    return Case(MembraneDamping(membrane, 0.02), start, shaken(start, 0.02, 1))
+
+
+def springs(share: float) -> Springs:
+    x = shaken(np.zeros((5, 3)), 1.0)
+    lengths = share * np.linalg.norm(x[PAIRS[:, 0]] - x[PAIRS[:, 1]], axis=1)
+    return Springs(PAIRS, lengths, np.array([20.0, 5.0, 10.0, 1.0]))
+
+
+def lengthened_springs() -> Case:
+    x = shaken(np.zeros((5, 3)), 1.0)
+    return Case(springs(0.7), x, x)
+
+
+def shortened_springs() -> Case:
+    x = shaken(np.zeros((5, 3)), 1.0)
+    return Case(springs(1.4), x, x, exact=False)
+
+
+def spring_damping() -> Case:
+    x = shaken(np.zeros((5, 3)), 1.0)
+    return Case(SpringDamping(springs(1.4), 0.01), x, shaken(x, 0.02, 1))
+
+
+def bending(curved: bool) -> Case:
+    points, faces = mesh("random", 1.0, 1.0, 0.25)
+    ones = np.ones(len(faces))
+    tensor = bending_tensor(ones, 1.5 * ones, 1.2 * ones)
+    shape = rolled(points, 0.4, 0.5)
+    if not curved:
+        force = Bending(faces, np.ascontiguousarray(points[faces]), tensor, len(points))
+    else:
+        rest = unrolled_corners(shape, faces)
+        force = Bending(faces, rest, tensor, len(points), rest_positions=shape)
+    return Case(force, shape, shaken(shape, 0.03), exact=not curved)
+
+
+def stitches(reach: float, share: float = 0.5) -> Case:
+    """Four of them, longer than they should be: by more than a reach of 0.1 m, less than one of 10 m."""
+    x = shaken(np.zeros((5, 3)), 1.0)
+    first = np.linalg.norm(x[PAIRS[:, 0]] - x[PAIRS[:, 1]], axis=1)
+    request = replace(REQUEST, stitch_reach=reach, stitch_share=share)
+    return Case(Stitches(PAIRS, first), x, x, exact=reach > 1.0 and share < 1.0, request=request)
+
+
+def short_stitches() -> Case:
+    """Some shorter than the share that they have yet, some longer."""
+    shares = np.array([1.4, 0.5, 1.2, 0.0])
+    case = stitches(10.0)
+    return replace(case, exact=False, request=replace(case.request, stitch_share=shares))
+
+
+def holds() -> Case:
+    x = shaken(np.zeros((6, 3)), 1.0)
+    axes = np.array([(1, 1, 1), (0, 1, 0), (0.5, 0, 2)], float)
+    return Case(Holds(np.array([1, 4, 4], np.int32), shaken(x[:3], 0.1, 1), axes), x, x)
+
+
+def sewing_holds() -> Case:
+    cloth = sheet(SLACK)
+    x = shaken(cloth.positions, 0.03)
+    weld = replace(cloth, stitches=PAIRS).weld
+    force = SewingHolds(
+        x, vertex_normals(x, cloth.face_nodes), weld, PAIRS, np.array([1, 9], np.int32)
+    )  # fmt: skip
+    force.approach(np.linspace(0.0, 1.0, len(x)))
+    return Case(force, x, shaken(x, 0.01, 1))
+
+
+def goal_pull(moving: bool) -> Case:
+    cloth = sheet(SLACK)
+    count = len(cloth.positions)
+    stiffness = np.where(np.arange(count) % 3 > 0, 200.0, 0.0)
+    force = GoalPull.for_cloth(
+        replace(
+            cloth, pinned=np.arange(count) < 4, goals=Goals(stiffness=stiffness, places=cloth.positions + 0.1)
+        )
+    )
+    assert force is not None
+    request = replace(REQUEST, pin_target=cloth.positions - 0.2 if moving else None)
+    return Case(force, cloth.positions, shaken(cloth.positions, 0.05), request=request)
+
+
+def wind() -> Case:
+    cloth = sheet(SLACK)
+    air = AirFlow(velocity=(3.0, -1.0, 2.0), resistance=6.0, friction=2.5)
+    start = shaken(cloth.positions, 0.05)
+    return Case(Wind(cloth.face_nodes, len(start), air), start, shaken(start, 0.02, 1))
+
+
+def untangling() -> Case:
+    """Where it was found what crosses: from there on its springs stay what they are."""
+    x, faces = pair(bump(0.012))
+    return Case(Untangling(faces, np.arange(len(x), dtype=np.int32), len(x), x.copy()), x, x)
+
+
+def triangles(places: Float) -> Cloth:
+    """Equal triangles of cloth, by themselves, at places [m], shape (t, 3, 3): all nodes have one area."""
+    count = len(places)
+    flat = np.tile(0.1 * np.array([(1.0, 0.0), (-0.5, 0.75**0.5), (-0.5, -(0.75**0.5))]), (count, 1))
+    faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    none = np.zeros(count, np.int32)
+    return replace(
+        sheet(SLACK), positions=places.reshape(-1, 3), velocities=np.zeros((3 * count, 3)),
+        node=faces.ravel(), faces=faces, rest_corners=flat[faces], fabric=none, garment=none, panel=none,
+        uv=flat, pinned=np.zeros(3 * count, bool), rest_curved=np.zeros(count, bool),
+        start_positions=places.reshape(-1, 3),
+    )  # fmt: skip
+
+
+def collisions() -> Case:
+    """Two triangles, turned against each other and tilted, close to each other and to one of the avatar.
+
+    Areas are equal, and the avatar's edges far away: else the area of a pair changes with its closest points,
+    which the force leaves aside.
+    """
+    angle = 2.0 * np.pi / 3.0 * np.arange(3) + np.array([[0.1], [1.1]])
+    height = np.array([[0.0, 1e-4, 4e-4], [6e-4, 1.0e-3, 7e-4]])
+    places = np.stack([0.1 * np.cos(angle), 0.1 * np.sin(angle), height], axis=2)
+    places[1, :, 0] += 0.06
+    body = np.array([(-5.0, -5.0, -6e-4), (5.0, -5.0, -6e-4), (0.0, 5.0, -6e-4)])
+    avatar = AvatarSurface(body, np.array([(0, 1, 2)], np.int32))
+    cloth = triangles(places)
+    force = Collisions(cloth, avatar, options(self_contact=True))
+    return Case(force, cloth.positions, cloth.positions, exact=False, reach=1e-9)
+
+
+CASES: dict[str, Callable[[], Case]] = {
+    "stretched membrane": stretched_membrane,
+    "crumpled membrane": crumpled_membrane,
+    "membrane damping": membrane_damping,
+    "lengthened springs": lengthened_springs,
+    "shortened springs": shortened_springs,
+    "spring damping": spring_damping,
+    "bending, flat": lambda: bending(curved=False),
+    "bending, curved": lambda: bending(curved=True),
+    "stitches": lambda: stitches(10.0),
+    "stitches to nothing": lambda: stitches(10.0, share=0.0),
+    "stitches beyond their reach": lambda: stitches(0.1),
+    "short stitches": short_stitches,
+    "holds": holds,
+    "sewing holds": sewing_holds,
+    "goals": lambda: goal_pull(moving=False),
+    "moving goals": lambda: goal_pull(moving=True),
+    "wind": wind,
+    "untangling": untangling,
+    "collisions": collisions,
+}
