@@ -1,4 +1,4 @@
-"""The documents: decision records in form and listed, links that lead somewhere, a short glossary."""
+"""The documents: form of decision records, links, a short glossary, tables that name every module."""
 
 import re
 from pathlib import Path
@@ -16,6 +16,7 @@ PAGES = [
     *sorted((ROOT / "bench").rglob("*.md")),
 ]
 MOST_GLOSSARY_ENTRIES = 40
+PACKAGES = ("geometry", "collide", "remesh", "engine", "dressing", "studies", "blender_addon")
 HEADINGS = ["Context", "Options", "Decision"]
 DATE_LINE = re.compile(
     r"Date: \d{4}-\d\d-\d\d · Commit: [0-9a-f]{7} · "
@@ -103,3 +104,46 @@ def test_glossary_is_short_and_defines_each_word_once() -> None:
     words = re.findall(r"^- \*\*(.+?)\*\*: \S", (ROOT / "docs" / "glossary.md").read_text("utf-8"), re.M)
     assert 0 < len(words) <= MOST_GLOSSARY_ENTRIES
     assert len({word.lower() for word in words}) == len(words)
+
+
+def modules_by_room() -> dict[str, list[str]]:
+    """Names of the modules in every folder of the packages."""
+    rooms: dict[str, list[str]] = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            if path.name != "__init__.py":
+                rooms.setdefault(path.parent.relative_to(ROOT).as_posix(), []).append(path.name)
+    return rooms
+
+
+def modules_named(page: str) -> dict[str, list[str]]:
+    """Modules in the first column of the table under each heading that names a folder of the packages."""
+    rooms: dict[str, list[str]] = {}
+    for section in re.split(r"^### ", page, flags=re.M)[1:]:
+        room, _, text = section.partition("\n")
+        if room.partition("/")[0] in PACKAGES:
+            rows = re.findall(r"^\| ([^|]*\.py`[^|]*) \|", text, re.M)
+            rooms.setdefault(room, []).extend(re.findall(r"`([^`]+)`", " ".join(rows)))
+    return rooms
+
+
+def test_tables_of_the_architecture_name_every_module_in_its_room() -> None:
+    named = modules_named((ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
+    assert {room: sorted(names) for room, names in named.items()} == modules_by_room()
+
+
+def test_modules_are_found_in_the_table_of_their_room() -> None:
+    page = (
+        "### engine/step\n\nSee `other.py`.\n\n| file | holds |\n|---|---|\n"
+        "| `a.py`, `b.py` | with `c.py` |\n"
+        "### Other\n\n| `d.py` | |\n\n### engine\n\n| `a.py` | |\n"
+    )
+    assert modules_named(page) == {"engine/step": ["a.py", "b.py"], "engine": ["a.py"]}
+
+
+def test_paths_in_documents_exist() -> None:
+    """A path in code font that begins with a package leads to a file or folder."""
+    place = re.compile(rf"`((?:{'|'.join(PACKAGES)})/[\w/.-]+)`")
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+    named = [(path.name, name) for path in pages for name in place.findall(path.read_text(encoding="utf-8"))]
+    assert [(page, name) for page, name in named if not (ROOT / name).exists()] == []
