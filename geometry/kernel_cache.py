@@ -33,7 +33,7 @@ KEPT = 8
 REMOVED = "-removed"
 """Ending of the names of folders that are about to go."""
 LOCK = "in_use"
-"""File in a folder that every process holds open, and shares a lock on, which has loaded kernels from it."""
+"""File in a folder that every process with kernels from it holds open, with a shared lock."""
 
 
 def cache_root() -> Path:
@@ -141,7 +141,7 @@ def _hold_folder() -> None:
 def remove_old_folders(own: Path) -> None:
     """Remove machine code of other sources, beside a folder.
 
-    What was used last stays, and what a process holds. Where another process removes the same, both go on.
+    Folders used last stay, and those that a process holds. Two processes may remove the same folder.
     """
     pattern = re.compile(re.escape(own.name[:-16]) + "[0-9a-f]{16}")
     found = [path for path in own.parent.iterdir() if path != own]
