@@ -145,9 +145,9 @@ def _emit(  # type: ignore[no-untyped-def]
     """
     count_vf = 0
     count_ee = 0
-    haunted = False
+    any_ghost = False
     for v in range(ghost.shape[0]):
-        haunted = haunted or ghost[v]
+        any_ghost = any_ghost or ghost[v]
     for row in range(pairs.shape[0]):
         ta = unsigned(pairs[row, 0])
         tb = unsigned(pairs[row, 1])
@@ -190,7 +190,7 @@ def _emit(  # type: ignore[no-untyped-def]
                 eb = edge % unsigned(3)
                 i, j = unsigned(faces_a[ta, ea]), unsigned(faces_a[ta, (ea + unsigned(1)) % unsigned(3)])
                 k, m = unsigned(faces_b[tb, eb]), unsigned(faces_b[tb, (eb + unsigned(1)) % unsigned(3)])
-            if haunted and ghost[i] and ghost[j] and ghost[k] and ghost[m]:
+            if any_ghost and ghost[i] and ghost[j] and ghost[k] and ghost[m]:
                 continue
             if not _is_candidate(p, ends, kind, i, j, k, m, reach):
                 continue

@@ -1,4 +1,4 @@
-"""Candidates of some vertices, found anew, in place of those that were known."""
+"""Updating a list of candidates for some vertices only."""
 
 import numpy as np
 from numba import types

@@ -1,4 +1,4 @@
-"""Whether local changes of a cloth mesh (flipped and collapsed edges) leave it free of crossings, with a gap.
+"""Tests whether flipped and collapsed edges leave a cloth mesh free of crossings, with a gap.
 
 Two triangles meet if an edge of one passes through the other, or if a vertex of one is too close to the
 face of the other, or an edge of one too close to an edge of the other. The distances settle all that is

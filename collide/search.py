@@ -1,4 +1,4 @@
-"""The contact search of one cloth topology against one avatar: candidates carried over between steps."""
+"""Contact search of one cloth topology against one avatar, with candidates carried over between steps."""
 
 import numpy as np
 from numba import types
@@ -182,7 +182,7 @@ class ContactSearch:
         self.expire()
 
     def expire(self) -> None:
-        """Make all allowances void: what may touch what has changed."""
+        """Make all allowances void, because what may touch has changed."""
         self._among_cloth.origin[:] = np.nan
         self._with_body.origin[:] = np.nan
 

@@ -1,4 +1,4 @@
-"""Skins of an avatar that meet, in the armpit, say, are held apart so that cloth fits between them.
+"""Slots for cloth between skins of an avatar that meet, in the armpit for example.
 
 Cloth between two skins that touch or overlap has no feasible place. Baraff, Witkin and Kass (2003) stick it
 to both ("flypapering"); here the flesh gives way instead: both skins retreat until a slot is left. Which skin
