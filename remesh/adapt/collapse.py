@@ -1,4 +1,4 @@
-"""Remove nodes where the metric wants longer edges."""
+"""Removal of nodes where the metric wants longer edges."""
 
 from typing import NamedTuple
 

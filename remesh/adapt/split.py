@@ -1,4 +1,4 @@
-"""Split edges that are longer than the metric wants."""
+"""Splits of edges that are longer than the metric wants."""
 
 import numpy as np
 

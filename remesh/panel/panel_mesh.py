@@ -1,4 +1,4 @@
-"""Triangulation of one flat panel: its border points are kept as they are, the inside is filled evenly."""
+"""Triangulation of one flat panel: border points are kept, the inside is filled evenly."""
 
 import math
 from dataclasses import dataclass
