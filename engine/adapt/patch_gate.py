@@ -1,4 +1,4 @@
-"""Which flips and collapses a cloth in a run can bear: no crossing, no closing gap, no jump in energy."""
+"""The gate of remeshing: refuses flips and collapses that cross, close a gap or add too much energy."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How vertices move, of an avatar or of what pins follow: frames at equal times, interpolated in between."""
+"""Motion of an avatar's vertices, or of points that pins follow: frames at equal times, interpolated."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

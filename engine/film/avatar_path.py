@@ -1,4 +1,4 @@
-"""Where a moving avatar goes: its motion, its skins held apart where cloth is near."""
+"""The path of a moving avatar: its motion, with skins held apart where cloth is near."""
 
 import numpy as np
 from scipy.spatial import cKDTree

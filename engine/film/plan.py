@@ -1,4 +1,4 @@
-"""Words and numbers of a film: its plan, its frames, the record of what happened."""
+"""Plan, frames and record of a film."""
 
 from dataclasses import dataclass, field
 
@@ -119,7 +119,7 @@ class FilmFrame:
 
 @dataclass(frozen=True, kw_only=True)
 class FilmState:
-    """All that a film needs to go on after a frame, with the same result.
+    """All that is needed to resume a film after a frame, with the same result.
 
     Attributes
     ----------

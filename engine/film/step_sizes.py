@@ -1,4 +1,4 @@
-"""How long the steps of cloth in motion are, and which of them are kept."""
+"""Control of step sizes: by the rise of the largest stretch, or by the error per second."""
 
 from dataclasses import dataclass
 from math import ceil, inf
@@ -42,7 +42,7 @@ class StepLimits:
 
 
 class StepSizes:
-    """The step size of a motion as it goes on.
+    """The step size of a motion, adapted after every step.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What every force of the engine is: an energy with derivatives, on nodes that it names.
+"""The protocol of a force: an energy with derivatives, on nodes that it names.
 
 `ClothStepper` keeps a plain list of forces. In every step it asks each whether it acts (`begin`), and in
 every Newton iteration for its gradient and Hessian where the nodes are (`linearise`).

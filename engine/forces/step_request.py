@@ -1,4 +1,4 @@
-"""What one step is asked to do."""
+"""The request for one step: size, targets, tolerances."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Wind: air presses on moving cloth along its normal, and rubs along it, in proportion to the relative speed.
+"""Wind: air presses on moving cloth along its normal and rubs along it, linearly in the relative speed.
 
 Force per area k_w (n . u) n + k_s (u - (n . u) n), with n the normal of the face and u = u_w - v the velocity
 of the air less that of the cloth; a third of a face's area counts at each of its nodes, with the node's own

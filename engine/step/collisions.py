@@ -1,4 +1,4 @@
-"""Contact of one cloth: search, contact forces, safe moves and friction anchors, one object.
+"""Contact of one cloth in one object: search, contact forces, safe moves and friction anchors.
 
 It is a force like others where its energy and derivatives are concerned. Beyond that it finds the pairs that
 can touch, shortens displacements to what is safe, and moves the avatar along.

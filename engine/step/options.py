@@ -1,4 +1,4 @@
-"""Numbers of the implicit step that do not change, and what a step did."""
+"""Options and outcome of the implicit step, and the clock of its stages."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

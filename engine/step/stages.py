@@ -1,4 +1,4 @@
-"""Stages of implicit integrators: from what is known of the past to what is to be minimised.
+"""Stages of implicit integrators: known states combined into what a step minimises.
 
 Every stage of backward Euler, BDF2 and TR-BDF2 asks for a state that satisfies
 
