@@ -1,1 +1,1 @@
-"""Thousands of scenes, each dressed in a process of its own, with a ledger of what became of them."""
+"""Batches: thousands of scenes, each dressed in a process of its own, with a ledger of the outcomes."""

@@ -1,4 +1,4 @@
-"""The loop of a batch: which jobs are still to do, where they run, and what became of them."""
+"""The loop of a batch: it starts open jobs, collects their outcomes and keeps the ledger."""
 
 import os
 import sqlite3
@@ -29,7 +29,7 @@ from toile.remesh.sizing.sizing import SizingOptions
 
 TICK = 0.2
 """How often the loop looks whether it is to stop [s]."""
-DISK_FULL = "the disk is full; what has ended is kept: make room, and the same call goes on"
+DISK_FULL = "the disk is full; finished jobs are kept: free some space, and the same call resumes the batch"
 LEAST_MEMORY = 0.5
 """A job cannot do with less memory than this [GB]: the program itself takes 0.3."""
 
@@ -70,14 +70,14 @@ def batch(
     watch: Callable[[int], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> Generator[JobResult, None, None]:
-    """Dress many scenes, each in a process of its own, and yield what became of them as they end.
+    """Dress many scenes, each in a process of its own, and yield their outcomes as they end.
 
     Parameters
     ----------
     jobs
         Scenes, or jobs with names; taken one by one as there is room, so they may be generated.
     output
-        The batch's folder: ledger, and a folder per result. The same call again goes on where it was: jobs
+        The batch's folder: ledger, and a folder per result. The same call again resumes the batch: jobs
         that have ended are not run again unless their input has changed.
     workers
         Jobs at a time; None is one per core.
@@ -106,7 +106,7 @@ def batch(
     InputError
         If the folder, a limit or a job's name is at fault, or the system cannot fork.
     BatchStopped
-        If the disk is full, or Dask's scheduler gone: what has ended is kept, and the same call goes on.
+        If the disk is full, or Dask's scheduler gone: finished jobs are kept, and the same call resumes.
     """
     check_system()
     limits = checked_limits(job_timeout, job_memory)

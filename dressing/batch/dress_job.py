@@ -1,4 +1,4 @@
-"""What the process of a job does: dress, note the outcome, and put the results into place."""
+"""The work of a job's process: dress, record the outcome, publish the results."""
 
 import sys
 import time

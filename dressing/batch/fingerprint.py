@@ -1,4 +1,4 @@
-"""Content hashes: whether a scene is the same as the one a result was computed from."""
+"""Content hashes of scenes, to tell whether a stored result is still that of the same input."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""The table of a batch: one SQLite file, a row per job, true at every moment."""
+"""The ledger of a batch: one SQLite file with a row per job, correct at every moment."""
 
 import json
 import sqlite3
@@ -82,7 +82,7 @@ class Ledger:
             if isinstance(error, sqlite3.OperationalError):
                 raise
             raise InputError(
-                f"{folder / NAME}: is no ledger of a batch ({error}); move it away", file=folder / NAME
+                f"{folder / NAME}: is not the ledger of a batch ({error}); move it away", file=folder / NAME
             ) from None
         _check_format(self._connection, folder)
 

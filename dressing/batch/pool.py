@@ -1,4 +1,4 @@
-"""What a batch asks of the place where its jobs run."""
+"""The protocol of a pool that runs a batch's jobs."""
 
 from collections.abc import Callable
 from typing import Any, Protocol

@@ -1,4 +1,4 @@
-"""Jobs on machines that do not see the batch's disk: input files travel with the call, results come back."""
+"""Jobs on machines that do not see the batch's disk: input files travel with the job, results come back."""
 
 import io
 import shutil

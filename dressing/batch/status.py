@@ -1,4 +1,4 @@
-"""Where a batch stands, as text."""
+"""Status of a batch, as text."""
 
 from pathlib import Path
 
@@ -35,5 +35,5 @@ def status_text(folder: Path) -> str:
     if len(where.running) > SHOWN:
         lines.append(f"  and {len(where.running) - SHOWN} more")
     if not where.active and left:
-        lines.append("the command that started it goes on with what is left")
+        lines.append("the command that started it resumes it")
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""A warm process that carries out every call in a process of its own, by forking itself.
+"""A warm process that runs every call in a fork of itself.
 
 It has loaded all kernels and has one thread, so a fork is safe. It starts calls as they come, kills those
 that run out of time, and reports how they ended. It ends with the process that started it, and its calls
@@ -122,7 +122,7 @@ class CallProcess:
 
 
 def _end_with(parent: int) -> None:
-    """Have this process killed when its parent ends, however that comes: on Linux by the kernel."""
+    """Have this process killed when its parent ends for whatever reason: on Linux by the kernel."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:

@@ -1,4 +1,4 @@
-"""Calls carried out by the workers of a Dask cluster, each in a process of its own.
+"""Calls on the workers of a Dask cluster, each in a process of its own.
 
 Dask decides which worker takes a call, and gives it to another if a worker is lost. A worker passes it on to
 a warm server process (local_pool.py), so limits and isolation are the same as without Dask.

@@ -1,4 +1,4 @@
-"""A function call in a process of its own: what it may use, and how it ended."""
+"""Limits and outcome of a function call in a process of its own."""
 
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,4 +1,4 @@
-"""Calls carried out on this machine, so many at a time, by a warm server process."""
+"""Calls on this machine, a limited number at a time, through a warm server process."""
 
 import pickle
 import queue
