@@ -1,4 +1,4 @@
-"""The mannequin of default size, kept on disk: building it takes a quarter of a small T-shirt's preview."""
+"""The mannequin of default size, cached on disk: building it takes a quarter of a small T-shirt's preview."""
 
 from importlib.metadata import version
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Reads the motion of a glTF file: what its first animation does to the vertices, at regular times.
+"""Motion of a glTF file: the vertices under its first animation, sampled at regular times.
 
 Nodes move by translation, rotation and scale; joints carry skinned vertices along; morph targets add to
 positions. Khronos Group, glTF 2.0 specification, sections 3.5 to 3.7 and 3.11.
@@ -51,7 +51,7 @@ def read_animated_gltf(path: Path, fps: float) -> SampledGltf:
     except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         # JSON of any other shape than glTF's.
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"{path}: is no valid glTF ({reason}); export it again", file=path) from error
+        raise InputError(f"{path}: is not valid glTF ({reason}); export it again", file=path) from error
 
 
 class _Motion:

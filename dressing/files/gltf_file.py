@@ -1,4 +1,4 @@
-"""A glTF file as a container: its JSON, its buffers, and the numbers that accessors name in them.
+"""A glTF file as a container: its JSON, its buffers, and the numbers of its accessors.
 
 Khronos Group, glTF 2.0 specification, sections 3.6 (buffers, accessors) and 4 (GLB).
 """

@@ -1,4 +1,4 @@
-"""Wavefront OBJ as the garment needs it: shared vertices, texture coordinates per corner, groups.
+"""Reader of Wavefront OBJ that keeps shared vertices, texture coordinates per corner, and groups.
 
 General loaders split vertices along texture seams and reorder them, which cuts a garment into its
 UV islands; here `v` lines stay nodes.

@@ -1,4 +1,4 @@
-"""The air around garments that follow a body: still, a wind, gusts."""
+"""Air around garments that follow a body: still, a steady wind, gusts."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The garments follow a moving avatar: one frame after the other, written as it is computed."""
+"""Garments that follow a moving avatar, written frame by frame."""
 
 import math
 import re
@@ -97,7 +97,7 @@ def follow(
     listener
         Told every frame; may cancel.
     state
-        Where to go on instead of at the beginning.
+        State to resume from, instead of starting at the beginning.
     """
     motion = hung.avatar.motion
     assert motion is not None
@@ -202,7 +202,7 @@ def _failure(made: FilmRecord, crossing: str) -> Failure | None:
         return Failure(kind="motion", message=made.failure, where=f"frame {frame}")
     if any(map(sum, made.crossings)):
         frame = next(index for index, found in enumerate(made.crossings) if sum(found))
-        # The place is known of frames of this run; a film taken up after a crossing knows the frame only.
+        # The place is known of frames of this run; a film resumed after a crossing knows the frame only.
         return Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
     return None
 

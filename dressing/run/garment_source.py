@@ -1,4 +1,4 @@
-"""From what a scene calls a garment to what it is made from: built-in pattern, file or mesh."""
+"""The source of a garment: built-in pattern, file or mesh."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""From what a garment is made from to its mesh, placed about the body, its pins found and its warp turned."""
+"""Loading of a garment: its mesh placed about the body, its pins found and its warp turned."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What the words preview, standard and accurate mean in numbers."""
+"""The quality presets preview, standard and accurate, in numbers."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A scene with every choice made: presets looked up, names found, defaults filled in, numbers at hand."""
+"""A scene with every choice made: presets looked up, names found, defaults filled in."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the user asks for: who wears which garments, of which fabric, how exactly."""
+"""A scene as the user asks for it: avatar, garments, fabrics, quality."""
 
 import math
 from collections.abc import Mapping, Sequence

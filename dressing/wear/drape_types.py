@@ -1,4 +1,4 @@
-"""What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
+"""Input and output of a drape: the contract between scene, frame loop and writers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -209,7 +209,7 @@ class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
     `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
-    film goes on with.
+    film continues with.
     """
 
     status: Status

@@ -1,4 +1,4 @@
-"""Repair of a start in which flat panels cut the body or each other: move whole panels clear.
+"""Repair of a start in which flat panels cut the body or each other: whole panels are moved clear.
 
 A garment whose seams would have to close through the body (shoulder seams that start below the shoulder)
 is lifted first, so that they close above it.
