@@ -1,4 +1,4 @@
-"""Motions without contact that studies measure: how exactly steps are solved, how long they are."""
+"""Motions without contact that studies measure, with control over solver accuracy and step sizes."""
 
 from dataclasses import dataclass, replace
 from math import inf

@@ -1,4 +1,4 @@
-"""What the report is made of: points on curves, curves in charts, bars that a scene must reach."""
+"""Parts of the report: points on curves, curves in charts, bars that a scene must meet."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field

@@ -60,7 +60,7 @@ def knot() -> StressScene:
     t = np.linspace(-2.15, 2.15, 2001)
     plan = 0.03 * np.column_stack((t**3 - 3.0 * t, t**4 - 4.0 * t**2))
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(plan, axis=0), axis=1))])
-    # At its three crossings it passes over and under itself by turns.
+    # At its three crossings it passes over and under itself alternately.
     passes = along[_crossings(plan)]
     levels = 0.75 * width * (-1.0) ** np.arange(len(passes))
     knots = np.concatenate([[-0.1], passes, [along[-1] + 0.1]])

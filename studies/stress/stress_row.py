@@ -1,4 +1,4 @@
-"""How a hard case ended, and the table of all."""
+"""The outcome of a hard case, and the table of all."""
 
 from dataclasses import dataclass
 from pathlib import Path
