@@ -44,7 +44,7 @@ class _Physics:
 
 
 class TOILE_PT_physics(_Physics, bpy.types.Panel):
-    """Who the object is to toile, and the run."""
+    """The object's role, and the run."""
 
     bl_idname, bl_label = "TOILE_PT_physics", "Toile"
 

@@ -1,4 +1,4 @@
-"""Why something cannot be done, in one line for the user."""
+"""The exception for what cannot be done, with one line for the user."""
 
 
 class Problem(Exception):
