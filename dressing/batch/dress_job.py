@@ -1,6 +1,5 @@
 """What the process of a job does: dress, note the outcome, and put the results into place."""
 
-import resource
 import sys
 import time
 import traceback
@@ -64,7 +63,7 @@ def dress_job(request: JobRequest) -> Outcome:
     from toile.dressing.run.dress import dress
 
     def work(request: JobRequest) -> Outcome:
-        result = dress(replace(request.scene, threads=1), request.work)
+        result = dress(request.scene, request.work)
         write_thumbnail(request.work)
         failure = result.report["failure"]
         return Outcome(
@@ -111,6 +110,9 @@ def _attempt(request: JobRequest, work: Callable[[JobRequest], Outcome]) -> Outc
 
 def _used(outcome: Outcome, started: float) -> Outcome:
     """Return an outcome with what this process has used so far."""
+    # Windows has no such module, and runs no jobs.
+    import resource
+
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return replace(
         outcome,

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from toile.dressing.batch.batch_progress import failures_text, rate_text
+from toile.dressing.batch.folder_lock import is_locked
 from toile.dressing.batch.ledger import standing
-from toile.dressing.batch.processes.folder_lock import is_locked
 from toile.dressing.run.progress import clock
 
 SHOWN = 20

@@ -1,7 +1,6 @@
 """The command `toile batch`: run, status, export and gallery."""
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -87,8 +86,6 @@ def add_batch(commands: "Commands[Parser]") -> None:
 
 def _run_batch(options: argparse.Namespace) -> int:
     """Run a batch; the exit code tells whether every job is done."""
-    if not hasattr(os, "fork"):
-        raise InputError("batches need a system that can fork, Linux or macOS; on Windows use WSL")
     from toile.dressing.batch.batch_progress import BatchProgress
     from toile.dressing.batch.batch_stopped import BatchStopped
     from toile.dressing.run.interrupt import CancelOnInterrupt

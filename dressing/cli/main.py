@@ -144,7 +144,6 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
     )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
-    dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
     dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")
     dress.add_argument(
@@ -221,7 +220,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats", "threads")
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
     if options.avatar is None and (options.units or options.up or options.fps):

@@ -135,7 +135,6 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
         gravity=scene.gravity,
         friction=scene.friction,
         friction_between=scene.friction_between,
-        threads=scene.threads,
         pins=tuple(
             pinned_vertices(mesh, garment.pins) for mesh, garment in zip(meshes, scene.garments, strict=True)
         ),

@@ -76,7 +76,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats, threads
+    formats
         As in `Scene`.
     """
 
@@ -93,7 +93,6 @@ class ResolvedScene:
     friction_between: Mapping[frozenset[str], float]
     air: AirFlow | None
     formats: Sequence[str]
-    threads: int
 
 
 def resolve(scene: Scene) -> ResolvedScene:
@@ -129,7 +128,6 @@ def resolve(scene: Scene) -> ResolvedScene:
         friction_between=_friction_between(scene.friction_between, cloth),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
-        threads=scene.threads,
     )  # fmt: skip
 
 

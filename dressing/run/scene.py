@@ -125,9 +125,6 @@ class Scene:
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
-    threads
-        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
-        neither the result nor the speed depends on it yet.
     """
 
     garments: Sequence[Garment]
@@ -143,7 +140,6 @@ class Scene:
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
     formats: Sequence[str] = ()
-    threads: int = 1
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -178,7 +174,6 @@ class Scene:
                     f"friction_between: a pair is two names, got {pair!r}", field="friction_between"
                 )
             _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
-        _check_number("threads", self.threads, low=1, high=1024)
 
     def fabric_of(self, garment: Garment) -> str | Fabric:
         """Return what a garment is made of: a fabric, or the name of one that may not exist."""

@@ -56,7 +56,6 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: air that resists and blows as garments follow a body that moves"),
         "formats": (list, "formats of garments beside PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
-        "threads": (int, "threads to use, default 1; the result does not depend on it"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body; without it the built-in mannequin"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
@@ -172,7 +171,7 @@ class _SceneReader:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
         plain = {
             key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats", "threads")
+            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats")
             if key in data
         }
         tables: dict[str, Any] = {

@@ -39,9 +39,6 @@ class DrapeOptions:
         Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
     friction_between
         Coefficients of pairs of fabrics, or of a fabric and "body", by their names.
-    threads
-        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
-        neither results nor speed depend on it yet.
     pins
         Material vertices held where they start, one array per garment.
     self_contact
@@ -57,7 +54,6 @@ class DrapeOptions:
     gravity: float = 9.81
     friction: float | None = None
     friction_between: Mapping[frozenset[str], float] = field(default_factory=dict)
-    threads: int = 1
     pins: tuple[Int, ...] = ()
     self_contact: tuple[bool, ...] = ()
     persistent: bool = True

@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-import numba
 import numpy as np
 
 from toile.collide.shrunken import shrunken
@@ -70,7 +69,6 @@ def drape(
     InputError
         A garment starts in a way that cannot be repaired.
     """
-    numba.set_num_threads(min(options.threads, numba.config.NUMBA_NUM_THREADS))
     layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
     reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
     if not layered:

@@ -133,7 +133,7 @@ def test_two_jobs_of_one_name(play: Play) -> None:
 
 
 def test_one_batch_at_a_time_in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toile.dressing.batch.processes.folder_lock.PATIENCE", 0.2)
+    monkeypatch.setattr("toile.dressing.batch.folder_lock.PATIENCE", 0.2)
     results = run_batch(
         [act("a"), act("b")], tmp_path, lambda lock: LocalPool(1, nothing, inherited=[lock]), Limits(), False,
         None, work=stand_in,
