@@ -12,6 +12,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.garment.readers import garment_formats, read_garment
 from toile.dressing.pattern.drafts import built_in, built_in_names
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.scene import Garment
@@ -33,9 +34,9 @@ def check_source(garment: Garment) -> None:
     if not path.suffix and not path.exists():
         known = unknown_name("garment", str(source), built_in_names())
         raise InputError(f"{known} (a pattern or mesh file needs its extension)")
-    if path.suffix.lower() not in (".json", *MESH_FORMATS):
+    if path.suffix.lower() not in garment_formats():
         kind = path.suffix or "(no extension)"
-        raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
+        raise InputError(f"{path}: unknown garment format '{kind}'; use {', '.join(garment_formats())}")
     if not path.is_file():
         raise InputError(f"{path}: garment file not found; check the path")
     if not path.stat().st_size:
@@ -119,13 +120,11 @@ def _mesh_of(garment: Garment, form: DressForm, edges: SewingEdges) -> GarmentMe
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
     name = built_in_name(source)
-    if name:
-        pattern = built_in(name, form.measurements)
-    else:
-        from toile.dressing.pattern.garmentcode import read_garmentcode
-
-        pattern = read_garmentcode(source)
-    return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
+    found = built_in(name, form.measurements) if name else read_garment(source)
+    if isinstance(found, GarmentMesh):
+        _check_pattern_coordinates(found)
+        return found
+    return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
