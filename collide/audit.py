@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import fcl
 import numpy as np
 
-from toile.collide.cells import Cells
 from toile.geometry.arrays import Float, Int
+from toile.geometry.cells import Cells
 
 MAX_CONTACTS = 60_000
 SHRINK = 1e-5

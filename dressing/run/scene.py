@@ -59,9 +59,9 @@ class Garment:
     Attributes
     ----------
     source
-        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
-        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or .npz as
-        `read_npz_garment` says), or a finished GarmentMesh.
+        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers") or of a registered draft, path of a
+        GarmentCode specification (.json), of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or
+        .npz as `read_npz_garment` says) or of a file with a registered reader, or a finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
     name

@@ -63,7 +63,7 @@ class FilmPlan:
         How far cloth may hold an avatar's vertex back [m]: beyond, the film ends.
     """
 
-    step: StepOptions
+    step: StepOptions = field(default_factory=StepOptions)
     integrator: Integrator = baraff_witkin
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0

@@ -9,7 +9,7 @@ import numpy as np
 from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.forces.contact import NO_MOTION, Contacts, evaluate_contacts
+from toile.engine.forces.contact import NO_MOTION, Contacts, Meeting, evaluate_contacts
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.force import NodalForce, StepState
 from toile.engine.forces.untangle import Untangling
@@ -123,8 +123,10 @@ class Collisions(NodalForce):
         search, options = self.search, self.options
         search.place(x)
         return evaluate_contacts(
-            search.positions, self.anchor, self._count, search.body, search.cloth, self.radius_body,
-            self._radius_self, self._area, options.law_body, options.law_self, self._pair_friction, moving,
+            search.positions, self.anchor, self._count,
+            Meeting(search.body, self.radius_body, options.law_body),
+            Meeting(search.cloth, self._radius_self, options.law_self),
+            self._area, self._pair_friction, moving,
         )  # fmt: skip
 
     def set_body_radius(self, radius: float) -> None:

@@ -9,7 +9,8 @@ from scipy.interpolate import PchipInterpolator
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.studies.scenes.scenes import rectangle, sheet, surface_of
+from toile.remesh.panel.rectangle import rectangle
+from toile.studies.scenes.scenes import sheet, surface_of
 from toile.studies.stress.stress_scene import FPS, StressScene, pushed_plan
 
 TURNS = 4.0
