@@ -1,4 +1,4 @@
-"""Which function reads a garment file, by its extension; `toile.register_reader` adds one."""
+"""Readers of garment files, by extension; `toile.register_reader` adds one."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""One flat panel as a cloth: the short way from a mesh to something that the engine moves."""
+"""A cloth of one flat panel, made from a mesh in one call."""
 
 import numpy as np
 import numpy.typing as npt

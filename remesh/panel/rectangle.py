@@ -1,4 +1,4 @@
-"""A rectangle of triangles, the panel that most experiments begin with."""
+"""A triangulated rectangle, the panel that most experiments begin with."""
 
 import numpy as np
 
