@@ -48,7 +48,7 @@ class SkinSlots:
         self._same = np.sort(row.astype(np.int64) * count + column)
 
     def retreat(self, vertices: Float, near: Bool) -> Float:
-        """How every vertex has to retreat [m], shape (v, 3): against its normal.
+        """Retreat of every vertex against its normal [m], shape (v, 3).
 
         Parameters
         ----------

@@ -30,7 +30,7 @@ class Births(NamedTuple):
 
 @dataclass(frozen=True)
 class TransferMap:
-    """Where everything in the new mesh comes from.
+    """The origin of everything in the new mesh.
 
     Attributes
     ----------

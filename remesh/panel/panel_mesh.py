@@ -15,7 +15,7 @@ from toile.remesh.panel.split_ears import split_ears
 
 @dataclass(frozen=True, kw_only=True)
 class PanelMeshOptions:
-    """How a panel is filled.
+    """Options of the triangulation of a panel.
 
     Attributes
     ----------

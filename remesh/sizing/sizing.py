@@ -18,7 +18,7 @@ from toile.remesh.sizing.row_products import row_cross, row_dot
 
 @dataclass(frozen=True, kw_only=True)
 class SizingOptions:
-    """How fine a mesh should be.
+    """Options of a sizing field.
 
     Attributes
     ----------
