@@ -138,7 +138,7 @@ class Frame:
 
 @dataclass
 class DrapeRecord:
-    """What a drape did.
+    """Record of a drape.
 
     `crossings` counts crossing pairs (avatar, cloth) per audited frame; `settled_crossings` only those of
     output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies. `pop`

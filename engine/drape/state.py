@@ -37,7 +37,7 @@ class BeforePassing(NamedTuple):
 
 
 class DrapeState(ClothRun):
-    """What the phases of a drape share.
+    """State that the phases of a drape share.
 
     Attributes
     ----------

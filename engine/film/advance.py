@@ -34,7 +34,7 @@ class StepCounts:
 
 @dataclass(frozen=True, kw_only=True)
 class Way:
-    """How a motion is advanced.
+    """Settings by which a motion is advanced.
 
     Attributes
     ----------

@@ -153,7 +153,7 @@ class FilmState:
 
 @dataclass
 class FilmRecord(StepCounts):
-    """What a film did, beside its counts of steps.
+    """Record of a film, beside its counts of steps.
 
     Lists have one entry per frame: crossing pairs (avatar, cloth), faces, steps since the last frame, largest
     stretch, smallest gap [m], avatar's lag [m]; `remeshings` one per remeshing. `failure` says why a film

@@ -14,7 +14,7 @@ from toile.geometry.arrays import Float, Int
 
 
 class StepState(Protocol):
-    """What a force may know of the step in which it acts.
+    """The part of a step that a force may see.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class StepState(Protocol):
 
     @property
     def request(self) -> StepRequest:
-        """What the step is asked to do."""
+        """The request of the step."""
 
     @property
     def h(self) -> Float:
@@ -77,7 +77,7 @@ class Force(Protocol):
 
 
 class NodalForce:
-    """What forces without elements, without a constant matrix and without stored energy have in common."""
+    """Base of forces without elements, without a constant matrix and without stored energy."""
 
     nodes: Int | None = None
     elastic = False
@@ -85,7 +85,7 @@ class NodalForce:
 
 
 class ElementForce:
-    """What forces of elements have in common: they always act, and store energy."""
+    """Base of forces on elements, which always act and store energy."""
 
     nodes: Int | None = None
     elastic = True

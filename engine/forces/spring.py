@@ -118,7 +118,7 @@ class Springs(ElementForce):
 
 
 class SpringDamping(ElementDamping):
-    """What resists the lengthening of springs, c (n . (v_a - v_b)) n."""
+    """Damping of the lengthening of springs, c (n . (v_a - v_b)) n."""
 
     def __init__(self, springs: Springs, seconds: float) -> None:
         """Build for coefficients of `seconds` times each spring's stiffness."""

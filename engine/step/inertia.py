@@ -24,7 +24,7 @@ class Inertia(NamedTuple):
     h: Float
 
     def without_forces(self, gravity: float) -> Float:
-        """Where nodes get to under gravity [m/s^2], along -y, alone [m], shape (n, 3)."""
+        """Inertial prediction [m], shape (n, 3), under gravity [m/s^2] along -y."""
         there = self.origin + self.h[:, None] * self.velocity
         there[:, 1] -= self.h * self.h * gravity
         return there

@@ -58,7 +58,7 @@ class StepOptions:
 
 @dataclass
 class StepOutcome:
-    """What one step did: motion [m] of the nodes, iterations, how much the guard held back.
+    """Outcome of one step: motion [m] of the nodes, iterations, how much the guard held back.
 
     `converged` says whether the linear solver reached its tolerance in every iteration and the last iteration
     moved no node farther than the Newton tolerance, where more than one was allowed. `error` estimates what
