@@ -36,7 +36,7 @@ LEAST_MEMORY = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class JobResult:
-    """What became of a job.
+    """Result of a job.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class _Run:
             raise BatchStopped(f"{self._folder}: {DISK_FULL}")
 
     def _consider(self, job: Job) -> JobResult | None:
-        """Start a job, or return what became of it in an earlier run."""
+        """Start a job, or return its result from an earlier run."""
         fingerprint = self._fingerprints.of(job.scene)
         row = self._ledger.row(job.name)
         entry = _entry(job, fingerprint.digest, dict(fingerprint.inputs), self._limits)
@@ -251,7 +251,7 @@ class _Run:
         return outcome.failure_class == "killed" or (self._retry_failed and outcome.state == "failed")
 
     def _outcome_before(self, row: dict[str, Any]) -> Outcome | None:
-        """Return what became of a job in an earlier run, None if it has not ended or its folder is gone."""
+        """Return a job's result from an earlier run, None if it has not ended or its folder is gone."""
         outcome = published(self._folder, row["name"], row["fingerprint"])
         if row["state"] in ("done", "failed"):
             return outcome if row["published"] else _outcome_of(row)

@@ -30,7 +30,7 @@ NOTHING_FREE = "nothing more can be written: the disk is full"
 
 @dataclass(frozen=True, kw_only=True)
 class JobRequest:
-    """What a job's process is asked: the scene, its name and fingerprint, the batch's folder, where to work.
+    """Request to a job's process: scene, name, fingerprint, the batch's folder, where to work.
 
     `attempt` counts how often it was asked in this run.
     """

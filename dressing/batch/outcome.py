@@ -28,7 +28,7 @@ FIGURES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How a job ended.
+    """Outcome of a job.
 
     Attributes
     ----------

@@ -7,11 +7,11 @@ from toile.dressing.batch.processes.isolated_call import Ended, Limits
 
 
 class Pool(Protocol):
-    """Where calls run: a number at a time, each in a process of its own."""
+    """Runs calls, a number at a time, each in a process of its own."""
 
     @property
     def room(self) -> int:
-        """How many more calls it takes."""
+        """Number of calls that it can take now."""
 
     @property
     def unfinished(self) -> int:

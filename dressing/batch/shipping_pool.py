@@ -45,7 +45,7 @@ class ShippingPool:
 
     @property
     def room(self) -> int:
-        """How many more calls it takes."""
+        """Number of calls that it can take now."""
         return self._pool.room
 
     @property

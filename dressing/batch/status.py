@@ -12,7 +12,7 @@ SHOWN = 20
 
 
 def status_text(folder: Path) -> str:
-    """Return where the batch of a folder stands, also while it runs. Raises InputError if there is none."""
+    """Return the status of a folder's batch, also while it runs. Raises InputError if there is none."""
     where = standing(folder, active=is_locked(folder))
     states = where.states
     known = sum(states.values())

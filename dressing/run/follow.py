@@ -42,7 +42,7 @@ LONGEST_STEP = 1.0 / 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class Followed:
-    """How garments followed a motion: they and the avatar at its end, why it ended early, figures."""
+    """Outcome of a motion: garments and avatar at its end, why it ended early, figures."""
 
     garments: tuple[DressedGarment, ...]
     avatar: Avatar
@@ -53,7 +53,7 @@ class Followed:
 
 
 def frame_path(frames: Path, name: str, index: int) -> Path:
-    """Where the mesh of that name and frame is."""
+    """Return the path of the mesh of that name and frame."""
     return frames / f"{file_stem(name)}.{index:04d}.ply"
 
 

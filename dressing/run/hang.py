@@ -29,7 +29,7 @@ from toile.engine.cloth.fabric import Fabric
 
 @dataclass(frozen=True)
 class _Sewing:
-    """How the garments were sewn at last, and the wall time of all attempts [s]: reading, and by stages."""
+    """The last sewing attempt, and the wall time of all attempts [s]: reading, and by stages."""
 
     cloth: list[tuple[GarmentMesh, Fabric]]
     options: DrapeOptions

@@ -48,7 +48,7 @@ class ResolvedGarment:
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedScene:
-    """What a run needs to know of a scene; `resolve` has checked all of it that can be checked unread.
+    """The input of a run; `resolve` has checked everything that can be checked without reading files.
 
     Attributes
     ----------

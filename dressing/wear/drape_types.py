@@ -21,7 +21,7 @@ FailureKind = Literal["open_seams", "tangled", "not_sewn", "numerical", "motion"
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeOptions:
-    """How to drape.
+    """Options of a drape.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class DrapeOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class FrameState:
-    """Where a drape stands after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
+    """State of a drape after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
 
     frame: int
     faces: int
@@ -73,7 +73,7 @@ class FrameState:
 
 @dataclass(frozen=True, kw_only=True)
 class Failure:
-    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame).
+    """A failure of a drape: its kind, one sentence, and where (panels, faces, frame).
 
     `faces` are the faces at fault by their numbers in the file of each garment, shape (k,), where both are
     known.

@@ -68,7 +68,7 @@ class DaskPool:
 
     @property
     def room(self) -> int:
-        """How many more calls can be given."""
+        """Number of calls that it can take now."""
         now = time.monotonic()
         if now - self._looked > LOOK_EVERY:
             self._looked = now

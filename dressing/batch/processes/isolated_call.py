@@ -10,7 +10,7 @@ class PoolFailed(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What one call may use: wall time [s] and memory [bytes]; None is no limit."""
+    """Limits of one call: wall time [s] and memory [bytes]; None is no limit."""
 
     seconds: float | None = None
     memory: int | None = None
@@ -18,7 +18,7 @@ class Limits:
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """How a call ended.
+    """Outcome of a call.
 
     Attributes
     ----------

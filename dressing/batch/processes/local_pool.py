@@ -64,7 +64,7 @@ class LocalPool:
 
     @property
     def room(self) -> int:
-        """How many more calls can be given: one waits, so that it starts as soon as another ends."""
+        """Number of calls that it can take now: one waits, so that it starts as soon as another ends."""
         return self.workers + 1 - self.unfinished
 
     @property
