@@ -21,7 +21,7 @@ from toile.blender_addon.snapshot.wind import not_understood
 
 
 class Place:
-    """Where the extension keeps compiled kernels; None is the engine's usual place."""
+    """The folder of compiled kernels; None is the engine's usual one."""
 
     kernels: str | None = None
 

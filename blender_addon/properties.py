@@ -82,7 +82,7 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
 
 
 class TOILE_PG_scene(bpy.types.PropertyGroup):
-    """How a scene is dressed."""
+    """Settings of a scene."""
 
     __annotations__ = {
         "mode": EnumProperty(

@@ -1,4 +1,4 @@
-"""A batch: bodies of several heights, each job in a process of its own, and a table of what became of them.
+"""A batch: bodies of several heights, each job in a process of its own, and a table of the outcomes.
 
 `toile batch status FOLDER` shows the table again; `toile batch gallery FOLDER` makes pages to look through.
 Run: python examples/batch.py [FOLDER]

@@ -26,7 +26,7 @@ LONGEST, SHORTEST, FIRST = 1.0 / 24.0, 1e-5, 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Solving:
-    """How exactly stages are solved.
+    """Tolerances with which stages are solved.
 
     Attributes
     ----------

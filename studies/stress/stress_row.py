@@ -6,7 +6,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, kw_only=True)
 class StressRow:
-    """How one case ended.
+    """Outcome of one case.
 
     Attributes
     ----------
