@@ -47,7 +47,7 @@ def add_bench(commands: "Commands[Parser]") -> None:
         "--ratio",
         type=float,
         metavar="R",
-        help="compare: factor by which worse counts (default 1.25)",
+        help="compare: tolerated growth of time or error (default 1.25)",
     )
     bench.add_argument(
         "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"

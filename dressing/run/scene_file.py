@@ -146,7 +146,7 @@ def scene_keys_help() -> str:
     for table, keys in SCENE_KEYS.items():
         heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
         lines.append(heading.get(table, f"[{table}]"))
-        lines += [f"  {key:<16}{meaning}" for key, (_, meaning) in keys.items()]
+        lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
 
 
