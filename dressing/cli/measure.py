@@ -17,9 +17,7 @@ def add_measure(commands: "Commands[Parser]") -> None:
     measure.add_argument("body", type=Path, metavar="BODY", help="OBJ, PLY, STL or GLB file")
     measure.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
     measure.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
-    measure.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.svg", help="write a picture of the measurements"
-    )
+    measure.add_argument("-o", "--output", type=Path, metavar="FILE.svg", help="picture of the measurements")
     measure.set_defaults(run=_run_measure)
 
 
