@@ -77,15 +77,22 @@ class Force(Protocol):
 
 
 class NodalForce:
-    """What forces without elements, without a constant matrix and without stored energy have in common."""
+    """What forces without elements, without a constant matrix and without stored energy have in common.
+
+    They act in every step, unless a class says otherwise.
+    """
 
     nodes: Int | None = None
     elastic = False
     constant_matrix: csr_array | None = None
 
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Act in every step."""
+        return True
+
 
 class ElementForce:
-    """What forces of elements have in common: they always act, and store energy."""
+    """What forces of elements have in common: they store energy, and act in every step unless told."""
 
     nodes: Int | None = None
     elastic = True
