@@ -9,7 +9,7 @@ from toile.dressing.files.writers.atomic import writable_folder
 from toile.engine.cloth.flat_cloth import flat_cloth
 from toile.engine.film.plan import FilmPlan
 from toile.engine.film.simulate import Simulation
-from toile.engine.forces.force import NodalForce, StepState
+from toile.engine.forces.force import NodalForce
 from toile.engine.solve.hessian import Hessian
 from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
@@ -24,21 +24,14 @@ class Magnet(NodalForce):
     def __init__(self, depth: Float) -> None:
         self.depth = depth
 
-    def begin(self, step: StepState, x: Float) -> bool:
-        """Act in every step."""
-        return True
-
     def energy(self, x: Float) -> float:
-        """Energy [J] at node positions x [m], shape (n, 3)."""
         return -float(self._stiffness(x).sum() * WIDTH**2)
 
     def add_gradient(self, x: Float, gradient: Float) -> None:
-        """Add the derivative of the energy, minus the force [N], to shape (n, 3)."""
         gradient += self._stiffness(x)[:, None] * (x - PLACE)
 
     def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
-        """Add the gradient, and what is positive of the Hessian k (1 - d d^T), d = (x - PLACE) / w [N/m]."""
-        self.add_gradient(x, gradient)
+        self.add_gradient(x, gradient)  # and what is positive of k (1 - d d^T), d = (x - PLACE) / w [N/m]:
         d = (x - PLACE) / np.maximum(WIDTH, np.linalg.norm(x - PLACE, axis=1))[:, None]
         hessian.add_nodes(self._stiffness(x)[:, None, None] * (np.eye(3) - d[:, :, None] * d[:, None, :]))
 

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.gusts import Gusts
-from toile.engine.forces.wind import AirFlow
 from toile.geometry.errors import InputError
 
 DENSITY = 1.2

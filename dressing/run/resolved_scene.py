@@ -12,7 +12,7 @@ from toile.dressing.run.quality import Quality, quality_preset
 from toile.dressing.run.result import file_stem
 from toile.dressing.run.scene import AvatarFile, AvatarSource, Garment, MannequinSize, Scene
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.forces.wind import AirFlow
+from toile.engine.forces.air_flow import AirFlow
 from toile.geometry.errors import InputError, about
 from toile.remesh.sizing.sizing import SizingOptions
 

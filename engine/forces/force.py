@@ -77,15 +77,22 @@ class Force(Protocol):
 
 
 class NodalForce:
-    """Base of forces without elements, without a constant matrix and without stored energy."""
+    """Base of forces without elements, without a constant matrix and without stored energy.
+
+    They act in every step, unless a class says otherwise.
+    """
 
     nodes: Int | None = None
     elastic = False
     constant_matrix: csr_array | None = None
 
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Act in every step."""
+        return True
+
 
 class ElementForce:
-    """Base of forces on elements, which always act and store energy."""
+    """Base of forces on elements: they store energy, and act in every step unless a class says otherwise."""
 
     nodes: Int | None = None
     elastic = True

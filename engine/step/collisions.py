@@ -11,7 +11,7 @@ from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.contact import NO_MOTION, Contacts, Meeting, evaluate_contacts
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
-from toile.engine.forces.force import NodalForce, StepState
+from toile.engine.forces.force import NodalForce
 from toile.engine.forces.untangle import Untangling
 from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import ContactStencils
@@ -71,10 +71,6 @@ class Collisions(NodalForce):
         self.found: Contacts | None = None
 
     # As a force.
-
-    def begin(self, step: StepState, x: Float) -> bool:
-        """Act in every step."""
-        return True
 
     def energy(self, x: Float) -> float:
         """Barrier energy [J] of the candidates at x [m], shape (n, 3)."""

@@ -7,9 +7,9 @@ from time import perf_counter
 import numpy as np
 
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.force import Force
-from toile.engine.forces.wind import AirFlow
 from toile.geometry.arrays import Float
 
 LAW_BODY, LAW_SELF = ContactLaw(stiffness=2e6, edge_share=0.5), ContactLaw(stiffness=2e6, edge_share=1.0)

@@ -9,8 +9,8 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.film.advance import StepCounts, Way, advance
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.film.step_sizes import StepLimits, StepSizes
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
-from toile.engine.forces.wind import AirFlow
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock, StepOptions
 from toile.engine.step.step import ClothStepper

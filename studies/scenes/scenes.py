@@ -15,7 +15,7 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.flat_cloth import flat_cloth
 from toile.engine.film.plan import FilmPlan
-from toile.engine.forces.wind import AirFlow
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.panel.rectangle import rectangle

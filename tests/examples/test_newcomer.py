@@ -24,7 +24,7 @@ PAGE = (ROOT / "docs" / "extending.md").read_text()
 def test_recipe_is_short_and_shown_whole(name: str) -> None:
     text = (ROOT / "examples" / f"{name}.py").read_text()
     lines = len([line for line in text.splitlines() if line.strip()])
-    assert lines <= 60
+    assert lines <= (40 if name == "own_force" else 60)
     assert f"`examples/{name}.py`\n\n```python\n{text}```" in PAGE
     row = re.search(rf"\| `{name}.py` \| (\d+) \|", PAGE)
     assert row is not None and int(row.group(1)) == lines
