@@ -106,30 +106,28 @@ def test_glossary_is_short_and_defines_each_word_once() -> None:
     assert len({word.lower() for word in words}) == len(words)
 
 
-def modules_by_room() -> dict[str, list[str]]:
-    """Names of the modules in every folder of the packages."""
-    rooms: dict[str, list[str]] = {}
-    for package in PACKAGES:
-        for path in sorted((ROOT / package).rglob("*.py")):
-            if path.name != "__init__.py":
-                rooms.setdefault(path.parent.relative_to(ROOT).as_posix(), []).append(path.name)
-    return rooms
+def modules() -> list[str]:
+    """Paths of the modules of all packages."""
+    found = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
+    return sorted(path.relative_to(ROOT).as_posix() for path in found if path.name != "__init__.py")
 
 
-def modules_named(page: str) -> dict[str, list[str]]:
+def modules_named(page: str) -> list[str]:
     """Modules in the first column of the table under each heading that names a folder of the packages."""
-    rooms: dict[str, list[str]] = {}
+    named = []
     for section in re.split(r"^### ", page, flags=re.M)[1:]:
         room, _, text = section.partition("\n")
         if room.partition("/")[0] in PACKAGES:
             rows = re.findall(r"^\| ([^|]*\.py`[^|]*) \|", text, re.M)
-            rooms.setdefault(room, []).extend(re.findall(r"`([^`]+)`", " ".join(rows)))
-    return rooms
+            named += [f"{room}/{name}" for name in re.findall(r"`([^`]+)`", " ".join(rows))]
+    return sorted(named)
 
 
 def test_tables_of_the_architecture_name_every_module_in_its_room() -> None:
-    named = modules_named((ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
-    assert {room: sorted(names) for room, names in named.items()} == modules_by_room()
+    named, there = modules_named((ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")), modules()
+    assert sorted(set(there) - set(named)) == [], "modules that no table names"
+    assert sorted(set(named) - set(there)) == [], "named where they are not"
+    assert len(named) == len(there)
 
 
 def test_modules_are_found_in_the_table_of_their_room() -> None:
@@ -138,7 +136,7 @@ def test_modules_are_found_in_the_table_of_their_room() -> None:
         "| `a.py`, `b.py` | with `c.py` |\n"
         "### Other\n\n| `d.py` | |\n\n### engine\n\n| `a.py` | |\n"
     )
-    assert modules_named(page) == {"engine/step": ["a.py", "b.py"], "engine": ["a.py"]}
+    assert modules_named(page) == ["engine/a.py", "engine/step/a.py", "engine/step/b.py"]
 
 
 def test_paths_in_documents_exist() -> None:
