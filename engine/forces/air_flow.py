@@ -1,4 +1,4 @@
-"""Air around cloth: how fast it moves, how it resists. What it does to cloth is in `engine.forces.wind`."""
+"""Air around cloth: its velocity and its resistance. The force on cloth is in `engine.forces.wind`."""
 
 from dataclasses import dataclass
 
