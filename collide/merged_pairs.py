@@ -6,7 +6,6 @@ from numba import types
 from toile.geometry.arrays import Bool, Int
 from toile.geometry.kernel import BOOL_1, I32_2, OUT_BOOL_1, kernel, unsigned
 
-
 BITS = 15
 """Of a vertex number, four of which go into one of 64 bits, its sign left alone."""
 

@@ -26,7 +26,9 @@ def test_known_pairs_without_a_marked_vertex_stay() -> None:
     found = np.array([[8, 1, 2, 3], [4, 5, 6, 9]], np.int32)
     marked = np.zeros(10, bool)
     marked[0] = marked[8] = True
-    vertex_face, edge_edge = with_pairs_of(marked, (known, known), (found, found[:, [1, 0, 3, 2]]))
+    vertex_face, edge_edge = with_pairs_of(
+        marked, (known, known), (found, np.ascontiguousarray(found[:, [1, 0, 3, 2]]))
+    )
     assert vertex_face.tolist() == [[4, 5, 6, 7], [8, 1, 2, 3]]
     # Of an edge pair the lower ends, and the lower edge, come first.
     assert edge_edge.tolist() == [[4, 5, 6, 7], [1, 8, 2, 3]]
