@@ -1,4 +1,4 @@
-"""Damping of a fabric: a strip that swings along its length dies away as in theory, on any mesh and step."""
+"""Damping of a fabric: a strip that swings along its length dies away as theory says."""
 
 import math
 from math import inf
