@@ -13,6 +13,8 @@ from toile.geometry.cells import Cells
 
 MAX_CONTACTS = 60_000
 SHRINK = 1e-5
+RINGS = 2
+"""How many cells around those of the cloth an avatar is made ready."""
 ASIDE = 1e-11 * np.array([0.61, 0.53, 0.59])
 """Shift of a surface that is tested against itself [m], so that no triangle meets itself."""
 
@@ -124,10 +126,11 @@ class Auditor:
         Heads, hands and feet have most of its faces. One that lies in no cell of a grid that cloth comes near
         crosses none of it.
         """
-        near = Cells.around(positions, cloth)
-        if self._cells is not None and self._cells.include(near):
+        here = Cells.around(positions, cloth)
+        if self._cells is not None and self._cells.include(here):
             return
-        self._cells = near.grown()
+        # With room for motion, so that the next audits need not do this again.
+        self._cells = here.grown(RINGS)
         self._near = self._cells.faces_within(vertices, faces)
         used, local = np.unique(faces[self._near], return_inverse=True)
         self._model = None

@@ -43,10 +43,10 @@ class Cells(NamedTuple):
             marked[block] = True
         return Cells(marked, first, side)
 
-    def grown(self) -> "Cells":
-        """Return them with all cells beside marked ones marked, too."""
-        padded = np.pad(self.marked, 1)
-        return Cells(binary_dilation(padded, np.ones((3, 3, 3), bool)), self.first - 1, self.side)
+    def grown(self, rings: int) -> "Cells":
+        """Return them with so many rings of cells around marked ones marked, too."""
+        wider = binary_dilation(np.pad(self.marked, rings), np.ones((3, 3, 3), bool), iterations=rings)
+        return Cells(wider, self.first - rings, self.side)
 
     def include(self, other: "Cells") -> bool:
         """Whether all marked cells of another grid of this kind are marked here."""
@@ -59,11 +59,12 @@ class Cells(NamedTuple):
     def faces_within(self, vertices: Float, faces: Int) -> Int:
         """Return the faces (t, 3) of vertices (v, 3) [m] whose boxes overlap a marked cell, shape (k,)."""
         low, high = _boxes(vertices, faces)
-        start = np.floor(low / self.side).astype(np.int64) - self.first
-        end = np.floor(high / self.side).astype(np.int64) - self.first
-        last = np.array(self.marked.shape) - 1
-        near = np.flatnonzero(((end >= 0) & (start <= last)).all(axis=1))
-        start, end = np.maximum(start[near], 0), np.minimum(end[near], last)
+        shape = np.array(self.marked.shape)
+        lowest, highest = self.side * self.first, self.side * (self.first + shape)
+        near = np.flatnonzero(((high >= lowest) & (low <= highest)).all(axis=1))
+        start = np.floor(low[near] / self.side).astype(np.int64) - self.first
+        end = np.floor(high[near] / self.side).astype(np.int64) - self.first
+        start, end = np.clip(start, 0, shape - 1), np.clip(end, 0, shape - 1)
         within = np.zeros(len(near), bool)
         small = (end - start < SMALL).all(axis=1)
         of_small, of_large = np.flatnonzero(small), np.flatnonzero(~small)
