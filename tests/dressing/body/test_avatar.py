@@ -195,7 +195,6 @@ def test_holes_are_filled_and_said() -> None:
 def test_flat_concave_hole_is_capped_in_its_plane() -> None:
     loop = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [1, 0.5, 0], [0, 2, 0.0]])
     triangles = fill_loop(loop)
-    assert triangles is not None
     a, b, c = (loop[triangles[:, k]] for k in range(3))
     signed = 0.5 * np.cross(b - a, c - a)[:, 2]
     assert (signed > 0.0).all()
@@ -206,7 +205,6 @@ def test_curved_hole_gets_the_patch_of_least_area() -> None:
     # A square bent along one diagonal: of its two triangulations, one is smaller.
     loop = np.array([[0, 0, 0], [1, 0, 0.4], [1.5, 1.5, 0], [0, 1, 0.4]])
     triangles = fill_loop(loop)
-    assert triangles is not None
 
     def area(faces: Int) -> float:
         a, b, c = (loop[faces[:, k]] for k in range(3))
@@ -223,7 +221,6 @@ def test_boundary_loops_run_so_that_caps_agree_with_the_faces() -> None:
     closed = [opened]
     for loop in loops:
         patch = fill_loop(vertices[loop])
-        assert patch is not None
         closed.append(loop[patch])
     assert_closed_and_outward(vertices, np.concatenate(closed).astype(np.int32))
 
@@ -324,6 +321,22 @@ def _cross(a: Float, b: Float) -> bool:
             if 0.0 < t < 1.0 and u > 0.0 and v > 0.0 and u + v < 1.0:
                 return True
     return False
+
+
+@pytest.mark.parametrize("edges", [480, 900])
+def test_a_long_curved_hole_is_filled(edges: int) -> None:
+    """A tube with a flat bottom whose upper border is a wave of many edges."""
+    angle = 2.0 * np.pi * np.arange(edges) / edges
+    ring = np.column_stack([0.2 * np.cos(angle), np.zeros(edges), 0.15 * np.sin(angle)])
+    wave = ring + np.column_stack([0.0 * angle, 1.5 + 0.05 * np.sin(3.0 * angle), 0.0 * angle])
+    i, j = np.arange(edges), (np.arange(edges) + 1) % edges
+    sides = np.concatenate([np.stack([i, i + edges, j], 1), np.stack([j, i + edges, j + edges], 1)])
+    vertices, faces, notes = repaired_surface("tube", np.concatenate([ring, wave]), sides.astype(np.int32))
+    assert_closed_and_outward(vertices, faces)
+    assert len(faces) == 2 * edges + 2 * (edges - 2)
+    assert volume(vertices, faces) == pytest.approx(1.5 * np.pi * 0.2 * 0.15, rel=2e-3)
+    assert any(f"2 holes of {edges} to {edges} edges filled" in note for note in notes)
+    assert not any("crosses itself" in note for note in notes)
 
 
 def test_a_scene_of_moved_and_mirrored_parts_is_placed(tmp_path: Path) -> None:
