@@ -99,7 +99,7 @@ def check_pattern(pattern: Pattern) -> None:
 
 def _load(path: Path) -> Mapping[str, Any]:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such pattern file; check the path", file=path) from None
     except (OSError, UnicodeDecodeError) as error:

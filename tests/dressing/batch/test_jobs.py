@@ -119,6 +119,26 @@ def test_every_garment_on_every_body(tmp_path: Path) -> None:
     assert noted.notes == [f"--avatars '{tmp_path}/*': 1 files of other kinds are left out"]
 
 
+def test_brackets_in_names_of_folders_and_files(tmp_path: Path) -> None:
+    """Where a name with brackets exists it is meant; else they are a set of signs."""
+    folder = tmp_path / "bodies [v2]"
+    folder.mkdir()
+    for name in ("a.ply", "b.ply", "c[1].ply", "c1.ply"):
+        write(folder / name, "x")
+    for pattern, names in {
+        "*.ply": ["a", "b", "c1", "c_1"],
+        "[ab].ply": ["a", "b"],
+        "c[1].ply": ["c_1"],
+        "?[1]*": ["c1"],
+        "[a]*": ["a"],
+        "a.ply": ["a"],
+    }.items():
+        jobs = JobGrid([str(folder / pattern)], ["tshirt"], [], {})
+        assert sorted(job.name.removesuffix("__tshirt") for job in jobs) == sorted(names)
+    wild = JobGrid([str(tmp_path / "b* [v2]" / "a.ply")], ["tshirt"], [], {})
+    assert [job.name for job in wild] == ["a__tshirt"]
+
+
 def test_nothing_matches(tmp_path: Path) -> None:
     for avatars, garments in (([f"{tmp_path}/*.ply"], ["tshirt"]), ([], [f"{tmp_path}/*.json"])):
         with pytest.raises(InputError, match="no file matches; check the path, and put patterns in quotes"):

@@ -76,6 +76,12 @@ def test_units_placement_labels(tmp_path: Path) -> None:
         pattern.panel("middle")
 
 
+def test_a_byte_order_mark_is_no_part_of_the_pattern(tmp_path: Path) -> None:
+    path = tmp_path / "marked_specification.json"
+    path.write_text(json.dumps(two_squares()), encoding="utf-8-sig")
+    assert [panel.name for panel in read_garmentcode(path).panels] == ["left", "right"]
+
+
 def test_rotation_is_about_x_then_y_then_z(tmp_path: Path) -> None:
     panel = Panel(name="p", vertices=((0, 0), (1, 0), (0, 1)), edges=(), rotation_degrees=(90.0, 0.0, 90.0))
     # (0, 1) turns about x to +z, which the turn about z leaves alone; (1, 0) turns about z to +y.
