@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from toile.geometry.arrays import Float, Int
 
 LONGEST_SEARCHED, PIECE = 400, 128
-"""Longest loop [edges] whose best patch is searched, at cubic cost, and of the pieces that others are cut to."""
+"""Longest loop [edges] whose best patch is searched, at cubic cost, and of the pieces of longer ones."""
 
 PLANAR_SPREAD = 0.02
 """A loop this flat, relative to its size, is capped in its plane."""

@@ -38,7 +38,7 @@ def triangles(points: npt.ArrayLike) -> Float:
         polygon = np.column_stack([polygon, np.zeros(len(polygon))])
     split = split_polygons(polygon[None])
     assert split.shape == (1, len(polygon) - 2, 3)
-    return polygon[split[0]]
+    return np.asarray(polygon[split[0]])
 
 
 def normals(corners: Float) -> Float:

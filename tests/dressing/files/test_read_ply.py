@@ -10,7 +10,7 @@ from toile.dressing.body.animated_avatar import load_animated_avatar
 from toile.dressing.body.avatar import load_avatar
 from toile.dressing.files.read_ply import read_ply
 from toile.dressing.garment.mesh_garment import read_mesh_garment
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
 CORNERS = [(x, y, z) for x in (-0.3, 0.3) for y in (0.0, 1.6) for z in (-0.15, 0.15)]
@@ -41,7 +41,7 @@ def ply(
     return header.encode() + data
 
 
-def volume(vertices: Float, faces: Float) -> float:
+def volume(vertices: Float, faces: Int) -> float:
     a, b, c = vertices[faces].swapaxes(0, 1)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 

@@ -69,7 +69,9 @@ def test_morph_weights_at_rest_count_of_the_node_before_the_mesh(tmp_path: Path)
         glb = Glb()
         mesh = glb.mesh(targets=[{"POSITION": glb.numbers(move)} for move in moves])
         glb.json["meshes"][mesh]["weights"] = [1.0, 0.25]
-        glb.node(mesh=mesh, **({} if own is None else {"weights": own}))
+        glb.node(mesh=mesh)
+        if own is not None:
+            glb.json["nodes"][0]["weights"] = own
         expected = CORNERS + np.einsum("m,mvi->vi", weights, moves)
         assert np.abs(points_of(glb, tmp_path) - expected).max() < 1e-6
 
