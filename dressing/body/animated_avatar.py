@@ -167,7 +167,7 @@ def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
             file=path,
         )
     frames, faces = held[name], held["faces"]
-    if frames.ndim != 3 or frames.shape[2] != 3 or not np.issubdtype(frames.dtype, np.number):
+    if frames.ndim != 3 or frames.shape[2] != 3 or frames.dtype.kind not in "fiu":
         raise InputError(
             f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}",
             file=path,
@@ -182,7 +182,10 @@ def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
     check_vertex_numbers(path, faces, frames.shape[1], "export the motion again")
     fps = None
     if "fps" in held:
-        fps = float(np.asarray(held["fps"]).ravel()[0])
+        own = np.asarray(held["fps"]).ravel()
+        if len(own) != 1 or own.dtype.kind not in "fiu":
+            raise InputError(f"{path}: fps must be one number, is {own.tolist()[:3]}", file=path, field="fps")
+        fps = float(own[0])
         if not np.isfinite(fps) or fps <= 0.0:
             raise InputError(f"{path}: fps must be greater than zero, got {fps:g}", file=path, field="fps")
     return frames.astype(np.float32), np.ascontiguousarray(faces, np.int32), fps

@@ -20,8 +20,12 @@ def boundary_loops(faces: Int) -> list[Int]:
     """
     start, end = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel().astype(np.int64)
     span = int(faces.max()) + 1
-    lone = ~np.isin(start * span + end, end * span + start)
-    following = dict(zip(end[lone].tolist(), start[lone].tolist(), strict=True))
+    # Where a third face hangs on an edge, one way along it comes twice and the other once.
+    ways, times = np.unique(np.concatenate([start * span + end, end * span + start]), return_inverse=True)
+    excess = np.bincount(times[: len(start)], minlength=len(ways))
+    excess -= np.bincount(times[len(start) :], minlength=len(ways))
+    lone = ways[excess > 0]
+    following = dict(zip((lone % span).tolist(), (lone // span).tolist(), strict=True))
     loops: list[Int] = []
     while following:
         first, vertex = following.popitem()

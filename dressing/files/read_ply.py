@@ -54,6 +54,8 @@ def read_ply(path: Path, shape: Float | None = None) -> Surface:
     """
     try:
         columns = _columns(path.read_bytes())
+        corners = [_whole(row) for name in CORNERS for row in columns.get("face", {}).get(name, ())]
+        corners += [face for strip in _strips(columns) for face in strip]
     except (ValueError, LookupError, OverflowError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: cannot be read as a mesh ({reason}); export it again", file=path) from None
@@ -61,10 +63,7 @@ def read_ply(path: Path, shape: Float | None = None) -> Surface:
     if not all(axis in vertex for axis in "xyz"):
         raise InputError(f"{path}: its vertices have no x, y and z; export it again", file=path)
     positions = np.stack([np.asarray(vertex[axis], np.float64) for axis in "xyz"], axis=1)
-    faces = columns.get("face", {})
-    corners = [_whole(row) for name in CORNERS for row in faces.get(name, ())]
-    wedges = faces.get("texcoord", ())
-    corners += [face for strip in _strips(columns) for face in strip]
+    wedges = columns.get("face", {}).get("texcoord", ())
     kept = [number for number, face in enumerate(corners) if len(face) > 2]
     for number in kept:
         if not all(0 <= corner < len(positions) for corner in corners[number]):

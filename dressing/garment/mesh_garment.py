@@ -17,7 +17,7 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_subdivision import subdivide
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 from toile.remesh.adapt.transfer import descent
 
 FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz", *MESHIO_FORMATS)
@@ -80,12 +80,16 @@ def read_mesh_garment(
         )
     metres = _in_metres(path, surface.positions, units, up, avatar)
     surface = checked_surface(path, replace(surface, positions=metres))
-    garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
+    with about(file=path):
+        garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
     return replace(garment, notes=notes)
 
 
 def garment_from_surface(surface: Surface, *, name: str, edge_length: float | None = None) -> GarmentMesh:
-    """Return the garment whose rest shape is a checked surface [m], refined to an edge length [m]."""
+    """Return the garment whose rest shape is a checked surface [m], refined to an edge length [m].
+
+    Raises InputError if that takes more triangles than any garment has.
+    """
     has_uv = len(surface.uv) > 0 and bool((surface.uv_faces >= 0).all())
     uv_faces = surface.uv_faces if has_uv else surface.faces
     span = int(uv_faces.max()) + 1
@@ -96,9 +100,12 @@ def garment_from_surface(surface: Surface, *, name: str, edge_length: float | No
     positions, panel, face = surface.positions, surface.panel, surface.file_face
     births: list[Int] = []
     if edge_length is not None:
-        positions, uv, node, faces, parent, births = subdivide(
-            positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
-        )
+        try:
+            positions, uv, node, faces, parent, births = subdivide(
+                positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
+            )
+        except InputError as error:
+            raise error.at(f"garment '{name}'", garment=name) from None
         panel, face = panel[parent], face[parent]
     corners = positions[node[faces]]
     stitches = _same_node_pairs(node)

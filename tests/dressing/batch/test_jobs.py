@@ -71,6 +71,8 @@ def test_lines_of_json(tmp_path: Path) -> None:
         (["name,garment,fabric", "a,tshirt,canvas;canvas"], "line 2: 2 fabrics for 1 garments"),
         (["name,garment", "a/b,tshirt"], "line 2: job name 'a/b': use letters"),
         (["name,garment"], "holds no jobs"),
+        (["name,garment", 'a,tshirt', '"a'], "has another number of cells"),
+        (['"name', 'garment"', "a"], "line 1: unknown column 'name garment'"),
         (["name,avatar", "a,body.obj"], "garment"),
     ],
 )  # fmt: skip
@@ -86,6 +88,10 @@ def test_mistakes_in_a_table(lines: list[str], message: str, tmp_path: Path) -> 
         ('{"garment": "tshirt", "colour": 1}', "line 1: unknown key 'colour'"),
         ('{"garment": ', "line 1: not valid JSON"),
         ('["tshirt"]', "line 1: must be a JSON object"),
+        ('{"garment": 3}', "line 1: garment must be a list of files"),
+        ('{"garment": ["tshirt", 3]}', "line 1: garment must be a list of files"),
+        ('{"garment": ["tshirt", 3], "fabric": "canvas"}', "line 1: garment must be a list of files"),
+        ('{"garment": "tshirt", "avatar": [1]}', "line 1: avatar must be a file or a table"),
         ('{"garment": [{"source": "tshirt", "pin": [1]}]}', "line 1: unknown key 'pin'; did you mean 'pins'"),
     ],
 )

@@ -225,6 +225,29 @@ def test_boundary_loops_run_so_that_caps_agree_with_the_faces() -> None:
     assert_closed_and_outward(vertices, np.concatenate(closed).astype(np.int32))
 
 
+def test_a_third_face_on_an_edge_leaves_the_loops_of_the_others_whole() -> None:
+    """A box with a corner of a face moved: three faces on an edge, and a hole beside it."""
+    corners = np.array([(x, y, z) for x in (-0.3, 0.3) for y in (0.0, 1.6) for z in (-0.15, 0.15)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    whole = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
+    for number in range(12):
+        for corner in range(3):
+            for other in range(8):
+                faces = np.array(whole, np.int32)
+                if other in faces[number]:
+                    continue
+                faces[number, corner] = other
+                try:
+                    vertices, found, _ = repaired_surface("box", corners, faces)
+                except InputError as error:
+                    assert "box: the " in str(error)
+                    continue
+                # A cap may come to lie on an edge that two faces share already.
+                ends = np.concatenate([found[:, [0, 1]], found[:, [1, 2]], found[:, [2, 0]]])
+                assert sorted(map(tuple, ends.tolist())) == sorted(map(tuple, ends[:, ::-1].tolist()))
+                assert volume(vertices, found) > 0.0
+
+
 def test_parts_are_united_and_inner_ones_vanish() -> None:
     vertices, faces = capsule()
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
