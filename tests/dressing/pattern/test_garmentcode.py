@@ -88,7 +88,7 @@ def test_numbers_that_no_pattern_has_are_named(number: Any, tmp_path: Path) -> N
     document["pattern"]["panels"]["left"]["translation"] = [number, 100, 10]
     path = tmp_path / "odd_specification.json"
     path.write_text(json.dumps(document))
-    with pytest.raises(InputError, match="panel 'left'.*must be a finite number") as caught:
+    with pytest.raises(InputError, match=r"panel 'left'.*must be a finite number") as caught:
         read_garmentcode(path)
     assert len(str(caught.value)) < 200
 
