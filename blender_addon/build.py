@@ -1,4 +1,4 @@
-"""Builds the extension: python -m toile.blender_addon.build -o dist/ makes one zip per platform.
+"""Build script of the extension: python -m toile.blender_addon.build -o dist/ makes one zip per platform.
 
 A zip holds a manifest, a few lines that register, and wheels: toile itself and what it computes with, except
 numpy, which Blender brings along. Blender 4.5 and 5.0 have another Python than 5.1 and later, so another zip.

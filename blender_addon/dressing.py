@@ -1,4 +1,4 @@
-"""What the operators do, in steps: snapshot, engine, frames that appear; or a pattern drafted."""
+"""The work of the operators, in steps: snapshot, engine, frames that appear; or drafting a pattern."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ from toile.blender_addon.snapshot.wind import not_understood
 
 
 class Place:
-    """Where the extension keeps compiled kernels; None is the engine's usual place."""
+    """The folder of compiled kernels; None is the engine's usual one."""
 
     kernels: str | None = None
 
@@ -167,7 +167,7 @@ def _set_states(garments: dict[str, str], state: str) -> None:
 
 
 def _note_cancelled(folders: dict[str, str]) -> None:
-    """Say in the sidecars that frames are missing because someone wanted it so."""
+    """Note in the sidecars that frames are missing because the user stopped the run."""
     for folder in folders.values():
         path = Path(bpy.path.abspath(folder)) / "toile.json"
         if path.is_file():

@@ -1,4 +1,4 @@
-"""The engine in a process of its own: started, listened to, ended. Knows nothing of Blender's data."""
+"""The engine's process: starting, listening, stopping. Knows nothing of Blender's data."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The operators `toile.*`. Each works without an event loop; with one, those that take long are modal."""
+"""The operators `toile.*`. Each works without an event loop; with one, the long-running ones are modal."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -51,7 +51,7 @@ class _Runs:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Any, event: Any) -> set[str]:
-        """Go on, or stop where the user presses Esc."""
+        """Continue, or stop when the user presses Esc."""
         run = Current.run
         if run is None:
             self._end(context)
@@ -59,7 +59,7 @@ class _Runs:
         if event.type == "ESC":
             run.cancelled = True
         if event.type != "TIMER":
-            # Undo while objects are read would pull them from under our feet.
+            # Undo would replace objects while they are read.
             return {"RUNNING_MODAL"} if run.reading else {"PASS_THROUGH"}
         try:
             more = run.tick()
@@ -122,7 +122,7 @@ class TOILE_OT_dress_body(_Runs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Need a mesh that is no garment."""
+        """Need a mesh that is not a garment."""
         body = context.object
         return (
             Current.run is None and body is not None and body.type == "MESH" and body.toile.role != "GARMENT"
@@ -241,5 +241,5 @@ CLASSES = (
 
 @persistent
 def stop(*_: object) -> None:
-    """Stop what is going on, as before another file is loaded."""
+    """Stop the run in progress, as before another file is loaded."""
     cancel_current()

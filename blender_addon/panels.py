@@ -44,7 +44,7 @@ class _Physics:
 
 
 class TOILE_PT_physics(_Physics, bpy.types.Panel):
-    """Who the object is to toile, and the run."""
+    """The object's role, and the run."""
 
     bl_idname, bl_label = "TOILE_PT_physics", "Toile"
 
@@ -66,7 +66,7 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
 
 
 class TOILE_PT_fabric(_Physics, bpy.types.Panel):
-    """What a garment is made of, what holds it and what is sewn."""
+    """Fabric, pins and seams of a garment."""
 
     bl_idname, bl_label, bl_parent_id = "TOILE_PT_fabric", "Cloth", "TOILE_PT_physics"
 
@@ -94,7 +94,7 @@ class TOILE_PT_fabric(_Physics, bpy.types.Panel):
 
 
 class TOILE_PT_scene(_Physics, bpy.types.Panel):
-    """How the scene is dressed."""
+    """Settings of the scene."""
 
     bl_idname, bl_label, bl_parent_id = "TOILE_PT_scene", "Simulation", "TOILE_PT_physics"
 

@@ -1,4 +1,4 @@
-"""What a .blend file knows of toile: who is who and made of what, and how a scene is dressed."""
+"""Properties that a .blend file stores: roles of objects, fabrics, settings of a scene."""
 
 from typing import Any
 
@@ -35,7 +35,7 @@ def _on_fabric(self: Any, context: Any) -> None:
 
 
 class TOILE_PG_object(bpy.types.PropertyGroup):
-    """What an object is to toile."""
+    """The role of an object, and its settings as a garment."""
 
     __annotations__ = {
         "role": EnumProperty(
@@ -82,7 +82,7 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
 
 
 class TOILE_PG_scene(bpy.types.PropertyGroup):
-    """How a scene is dressed."""
+    """Settings of a scene."""
 
     __annotations__ = {
         "mode": EnumProperty(

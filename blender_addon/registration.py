@@ -1,4 +1,4 @@
-"""What the extension adds to Blender, and takes out again without a trace."""
+"""Registration of the extension in Blender, and its complete removal."""
 
 import bpy
 

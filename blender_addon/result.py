@@ -1,4 +1,4 @@
-"""Frames on disk become what the object shows: through Blender's own modifiers, its mesh stays as it is."""
+"""Frames on disk as what the object shows, through Blender's own modifiers; its mesh stays as it is."""
 
 from pathlib import Path
 from typing import Any

@@ -14,7 +14,7 @@ Steps = Iterator[bool]
 
 
 class Run:
-    """What goes on, as panels show it; `notes` are for the user to read when it is over."""
+    """State of a run, as panels show it; `notes` are for the user to read when it is over."""
 
     def __init__(self, steps: Steps) -> None:
         self._steps = steps

@@ -1,1 +1,1 @@
-"""Avatar and cloth surfaces in, close pairs and safe moves out."""
+"""Collision detection: surfaces in, close pairs and safe moves out."""

@@ -1,4 +1,4 @@
-"""The independent audit that closes every frame: exact triangle-triangle intersection by FCL.
+"""Independent audit of every frame: exact triangle-triangle intersection by FCL.
 
 It shares no code with the contact search: broad phase, hierarchy and triangle test are FCL's.
 """
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import fcl
 import numpy as np
 
-from toile.collide.cells import Cells
 from toile.geometry.arrays import Float, Int
+from toile.geometry.cells import Cells
 
 MAX_CONTACTS = 60_000
 SHRINK = 1e-5
@@ -77,8 +77,8 @@ def crossings_within(positions: Float, faces: Int, weld: Int) -> Int:
 
 def _crossings_of(surface: fcl.BVHModel, faces: Int, weld: Int) -> Int:
     """Face pairs of a shrunk surface that cross each other: see crossings_within."""
-    # That every triangle meets itself is no news, and took as long to tell as all the rest. Every pair is
-    # tested twice, with either of the two aside: one that crosses by more than the shift is found.
+    # The shift keeps triangles from meeting themselves, reporting which took as long as all the rest. Every
+    # pair is tested twice, each side shifted once, so a pair that crosses by more than the shift is found.
     here, aside = (fcl.CollisionObject(surface, fcl.Transform(shift)) for shift in (np.zeros(3), ASIDE))
     pairs = np.unique(np.sort(crossing_faces(here, aside), axis=1), axis=0)
     pairs = pairs[pairs[:, 0] < pairs[:, 1]]

@@ -1,4 +1,4 @@
-"""Bounding volume hierarchy over boxes: flat arrays, built once, refitted, traversed in pairs.
+"""Bounding volume hierarchy in flat arrays: built once, refitted, traversed in pairs.
 
 Boxes may move: a second box is then where each ends. Two that are apart along an axis at the start and, on
 the same side, at the end are so all the way, if all move at the same pace.

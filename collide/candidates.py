@@ -1,6 +1,7 @@
 """Candidate pairs: every vertex-face and edge-edge pair closer than the reaches of its two sides."""
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
@@ -145,9 +146,9 @@ def _emit(  # type: ignore[no-untyped-def]
     """
     count_vf = 0
     count_ee = 0
-    haunted = False
+    any_ghost = False
     for v in range(ghost.shape[0]):
-        haunted = haunted or ghost[v]
+        any_ghost = any_ghost or ghost[v]
     for row in range(pairs.shape[0]):
         ta = unsigned(pairs[row, 0])
         tb = unsigned(pairs[row, 1])
@@ -190,7 +191,7 @@ def _emit(  # type: ignore[no-untyped-def]
                 eb = edge % unsigned(3)
                 i, j = unsigned(faces_a[ta, ea]), unsigned(faces_a[ta, (ea + unsigned(1)) % unsigned(3)])
                 k, m = unsigned(faces_b[tb, eb]), unsigned(faces_b[tb, (eb + unsigned(1)) % unsigned(3)])
-            if haunted and ghost[i] and ghost[j] and ghost[k] and ghost[m]:
+            if any_ghost and ghost[i] and ghost[j] and ghost[k] and ghost[m]:
                 continue
             if not _is_candidate(p, ends, kind, i, j, k, m, reach):
                 continue
@@ -211,45 +212,58 @@ def _emit(  # type: ignore[no-untyped-def]
     return count_vf, count_ee
 
 
-def find_candidates(
-    p: Float, weld: Int, ghost: Bool, a: Surface, boxes_a: Float, tree_a: bvh.Bvh,
-    b: Surface | None, boxes_b: Float, tree_b: bvh.Bvh, reach: Float, ends: Float | None = None,
-) -> tuple[Int, Int]:  # fmt: skip
-    """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
+class Vertices(NamedTuple):
+    """All vertices that surfaces index.
 
-    Parameters
+    Attributes
     ----------
-    p
-        Positions that the faces index [m], shape (n, 3).
+    positions
+        Where they are [m], shape (n, 3).
     weld
         Vertices with the same number are one sewn vertex: pairs that share one are left out, shape (n,).
     ghost
         Vertices that pass through each other: pairs whose four vertices are all marked are left out,
         shape (n,).
-    a, b
-        The two surfaces; b is None for pairs within a.
-    boxes_a, tree_a, boxes_b, tree_b
-        Face boxes, grown by the reach of their vertices, and hierarchies that were refitted to them.
     reach
         Half the contact radius plus the motion that the list must cover, per vertex [m], shape (n,).
     ends
         Where the vertices drift to, all at the same pace [m], shape (n, 3): reaches are then measured from
-        places on the way. By default they stay where they are.
+        places on the way. Where they stay, the positions themselves.
     """
-    if ends is None:
-        ends = p
+
+    positions: Float
+    weld: Int
+    ghost: Bool
+    reach: Float
+    ends: Float
+
+
+class Hierarchy(NamedTuple):
+    """A surface, boxes of its faces grown by the reach of their vertices, and a hierarchy fitted to them."""
+
+    surface: Surface
+    boxes: Float
+    tree: bvh.Bvh
+
+
+def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tuple[Int, Int]:
+    """Vertex-face (n, 4) and edge-edge (m, 4) candidates closer than the reaches [m] of their two sides.
+
+    `b` is None for pairs within `a`.
+    """
     if b is None:
-        pairs = bvh.self_overlapping_pairs(tree_a, boxes_a)
+        pairs = bvh.self_overlapping_pairs(a.tree, a.boxes)
         b = a
     else:
-        pairs = bvh.overlapping_pairs(tree_a, boxes_a, tree_b, boxes_b)
+        pairs = bvh.overlapping_pairs(a.tree, a.boxes, b.tree, b.boxes)
+    one, other = a.surface, b.surface
     capacity = 4 * len(pairs) + 64
     while True:
         vertex_face = np.empty((capacity, 4), np.int32)
         edge_edge = np.empty((capacity, 4), np.int32)
         found = _emit(
-            p, ends, weld, ghost, pairs, a.faces, a.owned, b.faces, b.owned, reach, TESTS_OF, BARRED,
-            ONLY_SHARED, vertex_face, edge_edge,
+            vertices.positions, vertices.ends, vertices.weld, vertices.ghost, pairs, one.faces, one.owned,
+            other.faces, other.owned, vertices.reach, TESTS_OF, BARRED, ONLY_SHARED, vertex_face, edge_edge,
         )  # fmt: skip
         if max(found) <= capacity:
             return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()

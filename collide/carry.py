@@ -1,4 +1,4 @@
-"""Cloth that an avatar carries along: where it blocks the avatar's motion it is given the same motion."""
+"""Cloth carried along by an avatar: where it blocks the avatar's motion it is given the same motion."""
 
 import numpy as np
 from numba import types

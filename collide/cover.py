@@ -1,4 +1,4 @@
-"""For which places a list of candidates is complete."""
+"""Kernels that check whether a list of candidates is complete for given positions."""
 
 from typing import NamedTuple
 

@@ -1,6 +1,6 @@
-"""Faces that share a vertex and fan out from it: nearly all of cloth that is not creased do.
+"""Pairs of faces that share a vertex and fan out from it, as most such pairs of smooth cloth do.
 
-All that two such faces may come close with is the side of the one across from the vertex, and the other face.
+Only the side of one face opposite the vertex, and the other face, can come close.
 """
 
 from toile.collide.pair_distance import length

@@ -1,4 +1,4 @@
-"""The safe move: shorten displacements, vertex by vertex, until no pair can meet on the way.
+"""Safe moves: displacements are shortened, vertex by vertex, until no pair can meet on the way.
 
 For a pair at distance d > 0 with normal n (from one primitive's closest point to the other's), the convex
 primitives keep apart along n for the whole straight motion if they are apart along n at its end: each

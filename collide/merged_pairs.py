@@ -1,10 +1,13 @@
-"""Candidates of some vertices, found anew, in place of those that were known."""
+"""Updating a list of candidates for some vertices only."""
 
 import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Bool, Int
 from toile.geometry.kernel import BOOL_1, I32_2, OUT_BOOL_1, kernel, unsigned
+
+BITS = 15
+"""Of a vertex number, four of which go into one of 64 bits, its sign left alone."""
 
 
 def with_pairs_of(marked: Bool, known: tuple[Int, Int], found: tuple[Int, Int]) -> tuple[Int, Int]:
@@ -41,7 +44,15 @@ def _with_marked(marked: Bool, rows: Int, having: Bool) -> None:
 
 
 def _once(rows: Int) -> Int:
-    return np.unique(rows, axis=0) if len(rows) else rows
+    """Rows in order, each once."""
+    if not len(rows):
+        return rows
+    if rows.max() >= 1 << BITS:
+        return np.unique(rows, axis=0)
+    # As one number each they are sorted in a tenth of the time.
+    shifts = BITS * np.arange(3, -1, -1)
+    keys = np.unique((rows.astype(np.int64) << shifts).sum(axis=1))
+    return ((keys[:, None] >> shifts) & ((1 << BITS) - 1)).astype(np.int32)
 
 
 def _in_order(edges: Int) -> Int:

@@ -1,4 +1,4 @@
-"""Height of points above a smooth surface, by its nearest vertex: for sizing, not for contact."""
+"""Height of points above a smooth surface by its nearest vertex: for sizing, not for contact."""
 
 import numpy as np
 from scipy.spatial import cKDTree

@@ -1,4 +1,4 @@
-"""Distance of a candidate pair, whichever kind it is: vertex-face or edge-edge."""
+"""Distance of a candidate pair of either kind, vertex-face or edge-edge."""
 
 from math import sqrt
 

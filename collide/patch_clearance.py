@@ -1,9 +1,11 @@
-"""Whether local changes of a cloth mesh (flipped and collapsed edges) leave it free of crossings, with a gap.
+"""Tests whether flipped and collapsed edges leave a cloth mesh free of crossings, with a gap.
 
 Two triangles meet if an edge of one passes through the other, or if a vertex of one is too close to the
 face of the other, or an edge of one too close to an edge of the other. The distances settle all that is
 nearly touching or nearly coplanar, so that the piercing test decides clear cases only.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
@@ -245,11 +247,31 @@ def _kept_pairs(pairs, owner, removed, removed_owner, first, link, kept):  # typ
     return count
 
 
+class PatchChanges(NamedTuple):
+    """Proposals to replace faces by new triangles among existing nodes.
+
+    Attributes
+    ----------
+    triangles, owner
+        New triangles, shape (q, 3), and which proposal each belongs to, shape (q,).
+    removed, removed_owner
+        Faces that are removed, and which proposal removes each, shape (r,).
+    total
+        How many proposals there are.
+    """
+
+    triangles: Int
+    owner: Int
+    removed: Int
+    removed_owner: Int
+    total: int
+
+
 def clear_proposals(
-    positions: Float, faces: Int, weld: Int, triangles: Int, owner: Int, removed: Int, removed_owner: Int,
-    count: int, avatar: AvatarSurface | None, gap_self: float, gap_body: float,
+    positions: Float, faces: Int, weld: Int, changes: PatchChanges, avatar: AvatarSurface | None,
+    gap_self: float, gap_body: float,
 ) -> Bool:  # fmt: skip
-    """Which proposals may be carried out together without a crossing, shape (count,).
+    """Tell which proposals may be carried out together without a crossing, shape (total,).
 
     A proposal replaces faces by new triangles among existing nodes. It is clear if none of its triangles
     meets a face of the cloth that it keeps, a face of the avatar, another of its own triangles, or a
@@ -272,17 +294,14 @@ def clear_proposals(
     weld
         Nodes with the same number, less than n, count as one, shape (n,). While they are apart (an open
         seam), only the parts of the triangles that they do not belong to are tested.
-    triangles, owner
-        New triangles, shape (q, 3), and which proposal each belongs to, shape (q,).
-    removed, removed_owner
-        Faces that are removed, and which proposal removes each, shape (r,).
-    count
-        How many proposals there are.
+    changes
+        The proposals.
     avatar
         The body at its current place.
     gap_self, gap_body
         Least distance between new triangles and cloth or avatar that they do not share a node with [m].
     """
+    triangles, owner, removed, removed_owner, count = changes
     clear = np.ones(count, bool)
     if len(triangles) == 0:
         return clear

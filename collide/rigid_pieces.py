@@ -1,4 +1,4 @@
-"""Whether rigid surface pieces cross each other or the avatar when shifted, by FCL."""
+"""Tests by FCL whether shifted rigid pieces cross each other or the avatar."""
 
 import fcl
 import numpy as np

@@ -1,10 +1,10 @@
-"""The contact search of one cloth topology against one avatar: candidates carried over between steps."""
+"""Contact search of one cloth topology against one avatar, with candidates carried over between steps."""
 
 import numpy as np
 from numba import types
 
 from toile.collide import bvh
-from toile.collide.candidates import find_candidates
+from toile.collide.candidates import Hierarchy, Vertices, find_candidates
 from toile.collide.cover import Cover
 from toile.collide.merged_pairs import with_marked, with_pairs_of
 from toile.collide.segment_hits import face_boxes
@@ -182,7 +182,7 @@ class ContactSearch:
         self.expire()
 
     def expire(self) -> None:
-        """Make all allowances void: what may touch what has changed."""
+        """Make all allowances void, because what may touch has changed."""
         self._among_cloth.origin[:] = np.nan
         self._with_body.origin[:] = np.nan
 
@@ -262,11 +262,7 @@ class ContactSearch:
         self._begin(x, motion)
         self._among_cloth = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
         ends = self._ends(drift)
-        tree = self._own_tree(ends)
-        self.cloth = find_candidates(
-            self.positions, self.weld, self._ghost, self._surface, self._boxes, tree, None, self._boxes,
-            tree, self._reach, ends,
-        )  # fmt: skip
+        self.cloth = find_candidates(self._vertices(ends), self._own(ends), None)
 
     def search_body(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
         """Find all pairs of cloth and avatar, as `search` does."""
@@ -276,15 +272,13 @@ class ContactSearch:
         self._with_body = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
         self._avatar_origin = self._avatar.vertices
         ends = self._ends(drift, self._avatar.drift)
-        own = self._own_tree(ends)
+        own = self._own(ends)
         self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
         tree = self._avatar.tree(
             self._reach[self._count :], None if self._avatar.drift is None else ends[self._count :]
         )
-        self.body = find_candidates(
-            self.positions, self.weld, self._ghost, self._surface, self._boxes, own, self._avatar_surface,
-            self._avatar.boxes, tree, self._reach, ends,
-        )  # fmt: skip
+        body = Hierarchy(self._avatar_surface, self._avatar.boxes, tree)
+        self.body = find_candidates(self._vertices(ends), own, body)
 
     def widen_cloth(self, x: Float, room: float, few: int) -> bool:
         """Complete the candidates within the cloth for nodes at x, if few are beyond; whether they are now.
@@ -296,12 +290,9 @@ class ContactSearch:
         beyond = self._beyond(self._among_cloth, self._among_cloth.allowance(x), room, few)
         if beyond is None or not beyond.any():
             return beyond is not None
-        surface, boxes, tree = self._part(self._among_cloth, beyond)
+        part = self._part(self._among_cloth, beyond)
         ends = self._ends(self._among_cloth.drift)
-        found = find_candidates(
-            self.positions, self.weld, self._ghost, surface, boxes, tree, self._surface, self._boxes,
-            self._own_tree(ends), self._reach, ends,
-        )  # fmt: skip
+        found = find_candidates(self._vertices(ends), part, self._own(ends))
         self.cloth = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.cloth, found)
         return True
 
@@ -315,13 +306,11 @@ class ContactSearch:
         beyond = self._beyond(self._with_body, left[: self._count], room, few)
         if beyond is None or not beyond.any():
             return beyond is not None
-        surface, boxes, tree = self._part(self._with_body, beyond)
+        part = self._part(self._with_body, beyond)
         self.positions[self._count :] = self._avatar_origin
-        found = find_candidates(
-            self.positions, self.weld, self._ghost, surface, boxes, tree, self._avatar_surface,
-            self._avatar.boxes, self._avatar.known_tree, self._reach,
-            self._ends(self._with_body.drift, self._avatar.drift),
-        )  # fmt: skip
+        ends = self._ends(self._with_body.drift, self._avatar.drift)
+        body = Hierarchy(self._avatar_surface, self._avatar.boxes, self._avatar.known_tree)
+        found = find_candidates(self._vertices(ends), part, body)
         self.body = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.body, found)
         return True
 
@@ -333,13 +322,17 @@ class ContactSearch:
         cover.allowed[beyond] += room - left[beyond]
         return np.asarray(beyond)
 
-    def _part(self, cover: Cover, marked: Bool) -> tuple[Surface, Float, bvh.Bvh]:
+    def _part(self, cover: Cover, marked: Bool) -> Hierarchy:
         """Return the faces of marked nodes as a surface, ready to be searched from where a cover starts."""
         self._begin(cover.origin, cover.allowed)
         surface = surface_of(self._surface.faces[with_marked(marked, self._surface.faces)])
         boxes = np.empty((len(surface.faces), 12))
         _moving_boxes(self.positions, self._ends(cover.drift), surface.faces, self._reach, boxes)
-        return surface, boxes, bvh.build(boxes)
+        return Hierarchy(surface, boxes, bvh.build(boxes))
+
+    def _vertices(self, ends: Float) -> Vertices:
+        """All vertices as a search sees them, on their way to `ends` [m], shape (n, 3)."""
+        return Vertices(self.positions, self.weld, self._ghost, self._reach, ends)
 
     def _begin(self, x: Float, motion: Float) -> None:
         """Place the nodes and give them their reach for a search."""
@@ -357,11 +350,11 @@ class ContactSearch:
             ends[self._count :] += avatar_drift
         return ends
 
-    def _own_tree(self, ends: Float) -> bvh.Bvh:
+    def _own(self, ends: Float) -> Hierarchy:
         """Hierarchy over the cloth's faces, moving to their ends and grown by their reach."""
         _moving_boxes(self.positions, ends, self._surface.faces, self._reach, self._boxes)
         if self._tree is None:
             self._tree = bvh.build(self._boxes)
         else:
             bvh.refit(self._tree, self._boxes)
-        return self._tree
+        return Hierarchy(self._surface, self._boxes, self._tree)

@@ -1,4 +1,4 @@
-"""Which faces of a surface straight segments cross, by a hierarchy over the faces.
+"""Faces of a surface that straight segments cross, found by a hierarchy over the faces.
 
 For many segments and poses that change: `collide.segments` answers the same by FCL, from scratch.
 Segment and triangle: Moeller and Trumbore 1997.

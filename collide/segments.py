@@ -1,4 +1,4 @@
-"""Which straight segments run through the avatar, by FCL on slivers of triangles."""
+"""Straight segments that run through the avatar, found by FCL on slivers of triangles."""
 
 import fcl
 import numpy as np

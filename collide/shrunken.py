@@ -1,4 +1,4 @@
-"""A thinner copy of the avatar, to start from: seams close around it, then it grows to its true shape.
+"""A thinner copy of the avatar: seams close around it, then it grows back to its true shape.
 
 Every vertex moves inward along its smoothed normal by the wanted depth, or less where the body is thin:
 the thickness is measured by a ray through the body. Where the body faces itself across a narrow gap

@@ -1,4 +1,4 @@
-"""Skins of an avatar that meet, in the armpit, say, are held apart so that cloth fits between them.
+"""Slots for cloth between skins of an avatar that meet, in the armpit for example.
 
 Cloth between two skins that touch or overlap has no feasible place. Baraff, Witkin and Kass (2003) stick it
 to both ("flypapering"); here the flesh gives way instead: both skins retreat until a slot is left. Which skin
@@ -48,7 +48,7 @@ class SkinSlots:
         self._same = np.sort(row.astype(np.int64) * count + column)
 
     def retreat(self, vertices: Float, near: Bool) -> Float:
-        """How every vertex has to retreat [m], shape (v, 3): against its normal.
+        """Retreat of every vertex against its normal [m], shape (v, 3).
 
         Parameters
         ----------

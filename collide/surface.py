@@ -1,4 +1,4 @@
-"""A triangle surface as the contact search sees it: each vertex and edge owned by exactly one face."""
+"""A triangle surface for the contact search: each vertex and edge is owned by exactly one face."""
 
 from dataclasses import dataclass
 

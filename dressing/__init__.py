@@ -1,1 +1,1 @@
-"""What dresses bodies: files, bodies, patterns, garments, runs, batches and the command line."""
+"""Everything about garments and bodies: files, bodies, patterns, garments, runs, batches, command line."""

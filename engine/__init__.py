@@ -1,1 +1,1 @@
-"""Time and physics: fabric, forces, assembly, solver, the frame loop."""
+"""Physics and time: fabric, forces, linear solver, implicit step, frame loops."""

@@ -1,1 +1,1 @@
-"""Arrays, triangles, bending patches: shared ground that knows no physics."""
+"""Arrays, triangle meshes and bending stencils shared by all packages. Knows no physics."""

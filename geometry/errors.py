@@ -1,4 +1,4 @@
-"""The one error that means: the input is at fault, and this is what to do about it."""
+"""The exception for faulty input; its message says what is wrong and what to do."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,7 @@
-"""Four numbers at once, in kernels: LLVM's vectors, which it takes apart where a processor has none.
+"""SIMD vectors of four numbers in kernels (LLVM vectors, split where a processor has none).
 
-For rows of three numbers that lie one after the other: the fourth comes along and means nothing. Numbers are
-multiplied and added as scalars are, so digits do not depend on the processor.
+They serve rows of three numbers that lie one after the other; the fourth number is not used. Numbers are
+multiplied and added as scalars are, so results do not depend on the processor.
 """
 
 from collections.abc import Callable

@@ -5,10 +5,7 @@ a read-only array type accepts writable arrays as well. Scalar helpers carry
 none: LLVM inlines them into the batch kernel that calls them.
 """
 
-import hashlib
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -16,28 +13,9 @@ import numpy as np
 from numba import njit, types
 from numba.extending import register_jitable
 
-
-def _source_fingerprint() -> str:
-    """Hash of every toile source file: numba's own cache misses edits in callees in other files."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    root = Path(__file__).resolve().parent.parent
-    for folder in ("geometry", "collide", "remesh", "engine", "dressing", "studies"):
-        for path in sorted((root / folder).rglob("*.py")):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def kernel_cache_dir() -> Path:
-    """Return the folder that holds the machine code of exactly these sources."""
-    base = os.environ.get("TOILE_CACHE_DIR")
-    root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "toile"
-    return root / _source_fingerprint()
-
-
-CACHE_DIR = Path(os.environ.get("NUMBA_CACHE_DIR") or kernel_cache_dir())
-WARM = CACHE_DIR.is_dir()
-"""True when these sources were compiled before on this machine."""
-numba.config.CACHE_DIR = str(CACHE_DIR)
+from toile.geometry.kernel_cache import CACHE_DIR as CACHE_DIR
+from toile.geometry.kernel_cache import WARM as WARM
+from toile.geometry.kernel_cache import KernelCache
 
 F64_1 = types.Array(types.float64, 1, "C", readonly=True)
 F64_2 = types.Array(types.float64, 2, "C", readonly=True)
@@ -47,7 +25,6 @@ I32_1 = types.Array(types.int32, 1, "C", readonly=True)
 I32_2 = types.Array(types.int32, 2, "C", readonly=True)
 I64_1 = types.Array(types.int64, 1, "C", readonly=True)
 BOOL_1 = types.Array(types.boolean, 1, "C", readonly=True)
-BOOL_2 = types.Array(types.boolean, 2, "C", readonly=True)
 OUT_F64_1 = types.Array(types.float64, 1, "C")
 OUT_F64_2 = types.Array(types.float64, 2, "C")
 OUT_F64_3 = types.Array(types.float64, 3, "C")
@@ -63,12 +40,19 @@ OUT_BOOL_1 = types.Array(types.boolean, 1, "C")
 LEAN = {"error_model": "numpy", "no_cfunc_wrapper": True, "no_rewrites": True}
 
 
-def kernel(signature: Any, *, parallel: bool = False) -> Any:
-    """Compile a batch kernel for one signature, cached on disk.
+def kernel(signature: Any) -> Any:
+    """Compile a batch kernel for one signature, or load it from disk; see kernel_cache.py."""
 
-    `parallel` only where iteration i writes row i: results must not depend on the thread count.
-    """
-    return njit(signature, cache=True, nogil=True, parallel=parallel, **LEAN)
+    def compile_kernel(function: Callable[..., Any]) -> Any:
+        compiled = njit(nogil=True, **LEAN)(function)
+        if not numba.config.DISABLE_JIT:
+            # As `njit(signature, cache=True)` does, but in toile's own folder.
+            compiled._cache = KernelCache(function)
+            compiled.compile(signature)
+            compiled.disable_compile()
+        return compiled
+
+    return compile_kernel
 
 
 def packed_kernel(signature: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Second derivatives of a function known at the nodes of a triangle mesh, one constant tensor per face.
+"""Second derivatives of a function given at the nodes of a triangle mesh, constant per face.
 
 Morley's plate triangle has a value at each corner and a slope across each side; its second derivatives follow
 from the divergence theorem, A x_,ij = sum over sides of l g_i n_j, with g the gradient at the middle of the

@@ -1,4 +1,4 @@
-"""Weights that give the derivative across a side from values at the nodes around it, exact on quadratics."""
+"""Weights for the derivative across a side from values at the nodes around it, exact on quadratics."""
 
 from math import sqrt
 

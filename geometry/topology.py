@@ -8,7 +8,7 @@ from toile.geometry.arrays import Bool, Int
 
 
 class Topology(NamedTuple):
-    """Who is next to whom. Side k of a face is the edge opposite its corner k.
+    """Adjacency of a triangle mesh. Side k of a face is the edge opposite its corner k.
 
     Attributes
     ----------

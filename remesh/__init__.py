@@ -1,1 +1,1 @@
-"""Mesh in, better mesh out."""
+"""Meshing: an outline or a mesh in, a better mesh out."""

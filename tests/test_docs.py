@@ -1,4 +1,4 @@
-"""The documents: decision records in form and listed, links that lead somewhere, a short glossary."""
+"""The documents: form of decision records, links, a short glossary, tables that name every module."""
 
 import re
 from pathlib import Path
@@ -16,6 +16,7 @@ PAGES = [
     *sorted((ROOT / "bench").rglob("*.md")),
 ]
 MOST_GLOSSARY_ENTRIES = 40
+PACKAGES = ("geometry", "collide", "remesh", "engine", "dressing", "studies", "blender_addon")
 HEADINGS = ["Context", "Options", "Decision"]
 DATE_LINE = re.compile(
     r"Date: \d{4}-\d\d-\d\d · Commit: [0-9a-f]{7} · "
@@ -103,3 +104,44 @@ def test_glossary_is_short_and_defines_each_word_once() -> None:
     words = re.findall(r"^- \*\*(.+?)\*\*: \S", (ROOT / "docs" / "glossary.md").read_text("utf-8"), re.M)
     assert 0 < len(words) <= MOST_GLOSSARY_ENTRIES
     assert len({word.lower() for word in words}) == len(words)
+
+
+def modules() -> list[str]:
+    """Paths of the modules of all packages."""
+    found = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
+    return sorted(path.relative_to(ROOT).as_posix() for path in found if path.name != "__init__.py")
+
+
+def modules_named(page: str) -> list[str]:
+    """Modules in the first column of the table under each heading that names a folder of the packages."""
+    named = []
+    for section in re.split(r"^### ", page, flags=re.M)[1:]:
+        room, _, text = section.partition("\n")
+        if room.partition("/")[0] in PACKAGES:
+            rows = re.findall(r"^\| ([^|]*\.py`[^|]*) \|", text, re.M)
+            named += [f"{room}/{name}" for name in re.findall(r"`([^`]+)`", " ".join(rows))]
+    return sorted(named)
+
+
+def test_tables_of_the_architecture_name_every_module_in_its_room() -> None:
+    named, there = modules_named((ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")), modules()
+    assert sorted(set(there) - set(named)) == [], "modules that no table names"
+    assert sorted(set(named) - set(there)) == [], "named where they are not"
+    assert len(named) == len(there)
+
+
+def test_modules_are_found_in_the_table_of_their_room() -> None:
+    page = (
+        "### engine/step\n\nSee `other.py`.\n\n| file | holds |\n|---|---|\n"
+        "| `a.py`, `b.py` | with `c.py` |\n"
+        "### Other\n\n| `d.py` | |\n\n### engine\n\n| `a.py` | |\n"
+    )
+    assert modules_named(page) == ["engine/a.py", "engine/step/a.py", "engine/step/b.py"]
+
+
+def test_paths_in_documents_exist() -> None:
+    """A path in code font that begins with a package leads to a file or folder."""
+    place = re.compile(rf"`((?:{'|'.join(PACKAGES)})/[\w/.-]+)`")
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+    named = [(path.name, name) for path in pages for name in place.findall(path.read_text(encoding="utf-8"))]
+    assert [(page, name) for page, name in named if not (ROOT / name).exists()] == []

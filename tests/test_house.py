@@ -233,3 +233,20 @@ def test_readme_and_ci_run_the_same_command() -> None:
     run = ROOT / ".ci" / "run"
     assert COMMAND in run.read_text().splitlines()
     assert os.access(run, os.X_OK)
+
+
+def test_what_blender_imports_compiles_nothing() -> None:
+    """Blender's process needs neither numba nor scipy: enabling the extension takes a moment."""
+    folder = ROOT / "blender_addon"
+    wanted = {
+        node.module or ""
+        for path in [*folder.glob("*.py"), *(folder / "snapshot").glob("*.py")]
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("toile.")
+    }
+    modules = sorted(name for name in wanted if not name.startswith("toile.blender_addon"))
+    code = (
+        f"import sys, {', '.join(modules)}; print(sorted(set(sys.modules) & {{'numba', 'scipy', 'trimesh'}}))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

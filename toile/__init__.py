@@ -19,8 +19,13 @@ if TYPE_CHECKING:
     from toile.dressing.body.avatar import Avatar, load_avatar
     from toile.dressing.body.mannequin import mannequin
     from toile.dressing.body.measure import measure
+    from toile.dressing.body.measurements import Measurements
     from toile.dressing.garment.fabrics import fabric, fabrics
     from toile.dressing.garment.garment_mesh import GarmentMesh
+    from toile.dressing.garment.readers import register_reader
+    from toile.dressing.pattern.drafts import register_draft
+    from toile.dressing.pattern.garmentcode_write import write_garmentcode
+    from toile.dressing.pattern.pattern import Edge, Panel, Pattern, Stitch
     from toile.dressing.run.air import Air
     from toile.dressing.run.dress import dress, resume
     from toile.dressing.run.progress import ProgressState
@@ -42,8 +47,8 @@ _HOME = {
     "Avatar": "toile.dressing.body.avatar",
     "AvatarFile": "toile.dressing.run.scene",
     "BatchStopped": "toile.dressing.batch.batch_stopped",
-    "VertexMotion": "toile.engine.cloth.vertex_motion",
     "DressedGarment": "toile.dressing.run.result",
+    "Edge": "toile.dressing.pattern.pattern",
     "Fabric": "toile.engine.cloth.fabric",
     "Garment": "toile.dressing.run.scene",
     "GarmentMesh": "toile.dressing.garment.garment_mesh",
@@ -51,9 +56,14 @@ _HOME = {
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
     "MannequinSize": "toile.dressing.run.scene",
+    "Measurements": "toile.dressing.body.measurements",
+    "Panel": "toile.dressing.pattern.pattern",
+    "Pattern": "toile.dressing.pattern.pattern",
     "ProgressState": "toile.dressing.run.progress",
     "Result": "toile.dressing.run.result",
     "Scene": "toile.dressing.run.scene",
+    "Stitch": "toile.dressing.pattern.pattern",
+    "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
     "dress": "toile.dressing.run.dress",
     "fabric": "toile.dressing.garment.fabrics",
@@ -62,7 +72,10 @@ _HOME = {
     "load_scene": "toile.dressing.run.scene_file",
     "mannequin": "toile.dressing.body.mannequin",
     "measure": "toile.dressing.body.measure",
+    "register_draft": "toile.dressing.pattern.drafts",
+    "register_reader": "toile.dressing.garment.readers",
     "resume": "toile.dressing.run.dress",
+    "write_garmentcode": "toile.dressing.pattern.garmentcode_write",
 }
 """Public name to the module that defines it."""
 
@@ -72,6 +85,7 @@ __all__ = [
     "AvatarFile",
     "BatchStopped",
     "DressedGarment",
+    "Edge",
     "Fabric",
     "Garment",
     "GarmentMesh",
@@ -79,9 +93,13 @@ __all__ = [
     "Job",
     "JobResult",
     "MannequinSize",
+    "Measurements",
+    "Panel",
+    "Pattern",
     "ProgressState",
     "Result",
     "Scene",
+    "Stitch",
     "VertexMotion",
     "batch",
     "dress",
@@ -91,7 +109,10 @@ __all__ = [
     "load_scene",
     "mannequin",
     "measure",
+    "register_draft",
+    "register_reader",
     "resume",
+    "write_garmentcode",
 ]
 
 

@@ -1,1 +1,1 @@
-"""What runs in the engine's process: the worker and the frames it writes. No bpy here."""
+"""The engine's process: the worker, and the frames it writes. No bpy here."""

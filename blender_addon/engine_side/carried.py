@@ -1,4 +1,4 @@
-"""What Blender's meshes carry besides their shape, brought over to the triangles of the engine."""
+"""Attributes of Blender's meshes, transferred to the triangles of the engine."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""The vertices that a garment's file has, on its surface as it is now."""
+"""The vertices of a garment's file, located on its present surface."""
 
 import numpy as np
 from scipy.spatial import cKDTree

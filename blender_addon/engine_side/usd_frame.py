@@ -1,4 +1,4 @@
-"""One frame of a garment as a USDC file, with all that Blender's Mesh Sequence Cache reads back."""
+"""One frame of a garment as a USDC file that Blender's Mesh Sequence Cache reads completely."""
 
 import re
 from collections.abc import Sequence

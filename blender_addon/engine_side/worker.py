@@ -1,4 +1,4 @@
-"""The engine's side: reads a scene folder, computes, writes frames, and speaks JSON lines.
+"""The engine's side: reads a scene folder, computes, writes frames, and reports in JSON lines.
 
 Every line is an object with one of: `say` (a sentence), `progress` (frame, max_frames, faces, contacts,
 seconds_left), `frame` (a frame is on disk), `done` (status and figures), `error` (one sentence;
@@ -14,7 +14,7 @@ from typing import Any
 from toile.geometry.errors import InputError
 
 SIDECAR = "toile.json"
-"""What a cache folder says about itself."""
+"""The sidecar of a cache folder."""
 
 
 def main(arguments: list[str]) -> int:
@@ -30,7 +30,7 @@ def main(arguments: list[str]) -> int:
     except Exception as error:
         if os.environ.get("TOILE_TRACEBACK"):
             raise
-        _tell(error=f"the engine broke down ({type(error).__name__}: {' '.join(str(error).split())})")
+        _tell(error=f"the engine failed ({type(error).__name__}: {' '.join(str(error).split())})")
         return 1
     return 0
 

@@ -44,7 +44,7 @@ class AvatarSnapshot:
             with evaluated(obj, depsgraph) as mesh:
                 if len(mesh.vertices) != count:
                     frame = self._scene.frame_current
-                    raise Problem(f"'{obj.name}' has another number of vertices in frame {frame}; an avatar "
+                    raise Problem(f"'{obj.name}' changes its number of vertices in frame {frame}; an avatar "
                                   "keeps its mesh while it moves")  # fmt: skip
                 matrix = to_engine(obj.evaluated_get(depsgraph).matrix_world, self._scene)
                 parts.append(moved(matrix, positions(mesh)))

@@ -1,4 +1,4 @@
-"""A garment object as the engine reads it: mesh before toile's modifier, pins, stitches, attributes."""
+"""A garment object as the engine reads it: mesh above toile's modifier, pins, stitches, attributes."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -48,7 +48,7 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
     films = pattern is None and settings.mode == "SIMULATE"
     frames = list(range(settings.frame_start, settings.frame_end + 1)) if films else [scene.frame_current]
     if films and len(frames) < 2:
-        raise Problem("a simulation needs two frames at least: set its end after its start")
+        raise Problem("a simulation needs at least two frames: set its end after its start")
     seen: list[GarmentSnapshot] = []
     fps = scene.render.fps / scene.render.fps_base
     before = scene.frame_current, scene.frame_subframe

@@ -1,4 +1,4 @@
-"""Blender's wind as the engine knows it, the same everywhere; what is said of other force fields."""
+"""Blender's wind as the engine knows it, the same everywhere, and notes about other force fields."""
 
 import math
 from typing import Any
@@ -32,7 +32,7 @@ def air_toml(scene: Any) -> list[str]:
     )
     speed = float(np.linalg.norm(velocity))
     if speed > FASTEST:
-        raise Problem(f"wind '{winds[0].name}' blows at {speed:.0f} m/s, toile knows up to {FASTEST:g}: "
+        raise Problem(f"wind '{winds[0].name}' blows at {speed:.0f} m/s, toile takes up to {FASTEST:g}: "
                       "lower its strength")  # fmt: skip
     noise = math.hypot(*(obj.field.noise for obj in winds))
     lines = ["[air]", f"velocity = [{', '.join(f'{part:.6f}' for part in velocity)}]"]

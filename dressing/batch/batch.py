@@ -1,4 +1,4 @@
-"""The loop of a batch: which jobs are still to do, where they run, and what became of them."""
+"""The loop of a batch: it starts open jobs, collects their outcomes and keeps the ledger."""
 
 import os
 import sqlite3
@@ -6,20 +6,21 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from toile.dressing.batch.batch_stopped import BatchStopped
 from toile.dressing.batch.dress_job import JobRequest, dress_job, load_dressing, result_folder, settled
 from toile.dressing.batch.failure_classes import ATTEMPTS, disk_is_full
 from toile.dressing.batch.fingerprint import Fingerprints
+from toile.dressing.batch.folder_lock import check_system, lock_folder
 from toile.dressing.batch.job import Job, as_jobs, avatar_name, fabric_names
 from toile.dressing.batch.job_folder import make_folders, published, remove_result, work_folder
 from toile.dressing.batch.ledger import Entry, Ledger
 from toile.dressing.batch.outcome import FIGURES, Outcome
-from toile.dressing.batch.processes.folder_lock import lock_folder
-from toile.dressing.batch.processes.isolated_call import Ended, Limits
+from toile.dressing.batch.pool import Pool
+from toile.dressing.batch.processes.isolated_call import Ended, Limits, PoolFailed
 from toile.dressing.batch.processes.local_pool import LocalPool
-from toile.dressing.batch.processes.shipping_pool import ShippingPool
+from toile.dressing.batch.shipping_pool import ShippingPool
 from toile.dressing.files.writers.atomic import writable_folder
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.scene import Scene
@@ -28,39 +29,14 @@ from toile.remesh.sizing.sizing import SizingOptions
 
 TICK = 0.2
 """How often the loop looks whether it is to stop [s]."""
-DISK_FULL = "the disk is full; what has ended is kept: make room, and the same call goes on"
+DISK_FULL = "the disk is full; finished jobs are kept: free some space, and the same call resumes the batch"
 LEAST_MEMORY = 0.5
 """A job cannot do with less memory than this [GB]: the program itself takes 0.3."""
 
 
-class Pool(Protocol):
-    """Where calls run: a number at a time, each in a process of its own."""
-
-    @property
-    def room(self) -> int:
-        """How many more calls it takes."""
-
-    @property
-    def unfinished(self) -> int:
-        """Calls that have not ended yet."""
-
-    @property
-    def running(self) -> int:
-        """Those of them that run; the others wait."""
-
-    def start(self, key: Any, function: Callable[[Any], Any], argument: Any, limits: Limits) -> None:
-        """Have a function called with an argument; `wait` reports its end under `key`."""
-
-    def wait(self, seconds: float) -> list[tuple[Any, Ended]]:
-        """Return the calls that have ended, with their keys; after some time, perhaps none."""
-
-    def close(self) -> None:
-        """End everything that still runs."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class JobResult:
-    """What became of a job.
+    """Result of a job.
 
     Attributes
     ----------
@@ -94,14 +70,14 @@ def batch(
     watch: Callable[[int], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> Generator[JobResult, None, None]:
-    """Dress many scenes, each in a process of its own, and yield what became of them as they end.
+    """Dress many scenes, each in a process of its own, and yield their outcomes as they end.
 
     Parameters
     ----------
     jobs
         Scenes, or jobs with names; taken one by one as there is room, so they may be generated.
     output
-        The batch's folder: ledger, and a folder per result. The same call again goes on where it was: jobs
+        The batch's folder: ledger, and a folder per result. The same call again resumes the batch: jobs
         that have ended are not run again unless their input has changed.
     workers
         Jobs at a time; None is one per core.
@@ -128,13 +104,13 @@ def batch(
     Raises
     ------
     InputError
-        If the folder, a limit or a job's name is at fault.
+        If the folder, a limit or a job's name is at fault, or the system cannot fork.
     BatchStopped
-        If the disk is full, or Dask's scheduler gone: what has ended is kept, and the same call goes on.
+        If the disk is full, or Dask's scheduler gone: finished jobs are kept, and the same call resumes.
     """
+    check_system()
     limits = checked_limits(job_timeout, job_memory)
     count = checked_workers(workers)
-
     if ship and dask is None:
         raise InputError("ship sends files to Dask's workers; without dask there are none", field="ship")
 
@@ -202,6 +178,8 @@ def run_batch(
             with suppress(sqlite3.OperationalError):
                 ledger.end_run()
             ledger.close()
+    except PoolFailed as error:
+        raise BatchStopped(str(error)) from None
     except (OSError, sqlite3.OperationalError) as error:
         if not disk_is_full(error):
             raise
@@ -244,7 +222,7 @@ class _Run:
             raise BatchStopped(f"{self._folder}: {DISK_FULL}")
 
     def _consider(self, job: Job) -> JobResult | None:
-        """Start a job, or return what became of it in an earlier run."""
+        """Start a job, or return its result from an earlier run."""
         fingerprint = self._fingerprints.of(job.scene)
         row = self._ledger.row(job.name)
         entry = _entry(job, fingerprint.digest, dict(fingerprint.inputs), self._limits)
@@ -273,7 +251,7 @@ class _Run:
         return outcome.failure_class == "killed" or (self._retry_failed and outcome.state == "failed")
 
     def _outcome_before(self, row: dict[str, Any]) -> Outcome | None:
-        """Return what became of a job in an earlier run, None if it has not ended or its folder is gone."""
+        """Return a job's result from an earlier run, None if it has not ended or its folder is gone."""
         outcome = published(self._folder, row["name"], row["fingerprint"])
         if row["state"] in ("done", "failed"):
             return outcome if row["published"] else _outcome_of(row)

@@ -1,4 +1,4 @@
-"""Where a batch stands, in one line."""
+"""Progress of a batch, as one line."""
 
 import time
 from collections import Counter, deque

@@ -1,5 +1,5 @@
-"""The error that means: a batch could not go on, and nothing is lost."""
+"""The exception for a batch that had to stop; no result is lost."""
 
 
 class BatchStopped(Exception):
-    """A batch had to stop: a full disk, say. The message is one line; the same call goes on where it was."""
+    """A batch had to stop, by a full disk, say. The message is one line; the same call resumes it."""

@@ -1,6 +1,5 @@
-"""What the process of a job does: dress, note the outcome, and put the results into place."""
+"""The work of a job's process: dress, record the outcome, publish the results."""
 
-import resource
 import sys
 import time
 import traceback
@@ -31,7 +30,7 @@ NOTHING_FREE = "nothing more can be written: the disk is full"
 
 @dataclass(frozen=True, kw_only=True)
 class JobRequest:
-    """What a job's process is asked: the scene, its name and fingerprint, the batch's folder, where to work.
+    """Request to a job's process: scene, name, fingerprint, the batch's folder, where to work.
 
     `attempt` counts how often it was asked in this run.
     """
@@ -64,7 +63,7 @@ def dress_job(request: JobRequest) -> Outcome:
     from toile.dressing.run.dress import dress
 
     def work(request: JobRequest) -> Outcome:
-        result = dress(replace(request.scene, threads=1), request.work)
+        result = dress(request.scene, request.work)
         write_thumbnail(request.work)
         failure = result.report["failure"]
         return Outcome(
@@ -111,6 +110,9 @@ def _attempt(request: JobRequest, work: Callable[[JobRequest], Outcome]) -> Outc
 
 def _used(outcome: Outcome, started: float) -> Outcome:
     """Return an outcome with what this process has used so far."""
+    # Windows has no such module, and runs no jobs.
+    import resource
+
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return replace(
         outcome,

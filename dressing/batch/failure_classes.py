@@ -1,4 +1,4 @@
-"""Why jobs fail: one word for each kind of failure, for tables and filters."""
+"""Failure classes of jobs: one word for each kind, for tables and filters."""
 
 import errno
 import signal
@@ -12,16 +12,16 @@ FailureClass = FailureKind | Literal["bad_input", "timeout", "memory", "crashed"
 """Why a job failed: as a drape does, or before or around it."""
 FAILURE_CLASSES: dict[FailureClass, str] = {
     "bad_input": "a file, name or number of the scene is at fault; the message says which",
-    "open_seams": "seams did not close: the garment is too small for the body, or cloth lies in the way",
+    "open_seams": "seams did not close: the garment is too small for the body, or cloth is in the way",
     "tangled": "triangles still cross at the end",
-    "not_sewn": "the frame limit came before the garment was sewn",
+    "not_sewn": "the frame limit was reached before the garment was sewn",
     "numerical": "the solver broke down",
     "motion": "the garment could not follow the body's motion",
     "crossing": "triangles crossed in a frame of the body's motion",
     "timeout": "stopped after the time limit of a job",
     "memory": "needed more memory than a job may have",
     "crashed": "the process died of an error in machine code",
-    "killed": "the process was killed from outside, as often as it was started",
+    "killed": "the process was killed from outside every time it was started",
     "fault": "an error in toile itself; the traceback is in logs/",
 }
 """Class of a failure to what it means."""

@@ -1,4 +1,4 @@
-"""Content hashes: whether a scene is the same as the one a result was computed from."""
+"""Content hashes of scenes, to tell whether a stored result is still that of the same input."""
 
 import hashlib
 import os
@@ -17,8 +17,6 @@ from toile.dressing.run.scene import Garment, Scene
 UNREADABLE = "unreadable"
 REMEMBERED = 4096
 """Files whose hashes are kept in memory."""
-NOT_PART_OF_A_RESULT = frozenset({"threads"})
-"""Fields of a scene that its result does not depend on."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +57,8 @@ class Fingerprints:
         elif is_dataclass(value):
             yield type(value).__name__.encode()
             for entry in fields(value):
-                if entry.name not in NOT_PART_OF_A_RESULT:
-                    yield entry.name.encode()
-                    yield from self._parts(getattr(value, entry.name), inputs)
+                yield entry.name.encode()
+                yield from self._parts(getattr(value, entry.name), inputs)
         elif isinstance(value, Mapping):
             for key in sorted(value, key=repr):
                 yield repr(key).encode()

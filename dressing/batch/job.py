@@ -1,4 +1,4 @@
-"""A job of a batch: a scene and the name under which its result is kept."""
+"""A job of a batch: a scene, and the name of its result."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

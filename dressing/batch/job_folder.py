@@ -1,4 +1,4 @@
-"""Where the results of jobs lie: a folder each, which appears whole or not at all.
+"""Folders of results: one per job, which appears whole or not at all.
 
 jobs/NAME/        results and job.json, of jobs that have any
 logs/NAME.txt     what a job printed, if it did; written when its process has ended

@@ -121,7 +121,7 @@ def unique_names(sources: Sequence[str]) -> list[str]:
         names = [file_stem(name(source)) for source in sources]
         if len({name.lower() for name in names}) == len(names):
             return names
-    raise InputError(f"files whose names differ in signs only: {', '.join(sources)}; rename them")
+    raise InputError(f"names of files differ only in special characters: {', '.join(sources)}; rename them")
 
 
 def _stem(source: str) -> str:

@@ -33,7 +33,7 @@ class JobsFile:
         for line, job in self._jobs():
             if job.name in lines:
                 raise InputError(
-                    f"{path}, line {line}: job '{job.name}' is there twice, first in line {lines[job.name]}; "
+                    f"{path}, line {line}: job '{job.name}' appears twice, first in line {lines[job.name]}; "
                     "give each a name of its own",
                     file=path,
                     field="name",
@@ -81,13 +81,13 @@ class JobsFile:
         if len(set(columns)) < len(columns):
             twice = next(column for column in columns if columns.count(column) > 1)
             raise InputError(
-                f"{self._path}, line 1: column '{twice}' is there twice", file=self._path, field=twice
+                f"{self._path}, line 1: column '{twice}' appears twice", file=self._path, field=twice
             )
         for row in reader:
             line = reader.line_num
             if None in row or None in row.values():
                 raise InputError(
-                    f"{self._path}, line {line}: has another number of cells than line 1 has columns",
+                    f"{self._path}, line {line}: has a different number of cells than line 1 has columns",
                     file=self._path,
                 )
             filled = {column: cell.strip() for column, cell in row.items() if cell.strip()}

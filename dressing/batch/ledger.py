@@ -1,4 +1,4 @@
-"""The table of a batch: one SQLite file, a row per job, true at every moment."""
+"""The ledger of a batch: one SQLite file with a row per job, correct at every moment."""
 
 import json
 import sqlite3
@@ -38,7 +38,7 @@ COLUMNS = {
     "settings": "TEXT NOT NULL",
     "seen": "INTEGER NOT NULL",
 }
-"""Columns and their types: what the job is, what became of it, what it used, what it was made of."""
+"""Columns and their types: the job, its outcome, what it used, its input."""
 OUTCOME_COLUMNS = (
     "state", "failure_class", "message", "version", "published", "wall_seconds", "cpu_seconds", "peak_memory",
 )  # fmt: skip
@@ -46,7 +46,7 @@ OUTCOME_COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """What the ledger notes about a job before it runs; settings and inputs as plain data."""
+    """Entry about a job before it runs; settings and inputs as plain data."""
 
     name: str
     avatar: str
@@ -82,7 +82,7 @@ class Ledger:
             if isinstance(error, sqlite3.OperationalError):
                 raise
             raise InputError(
-                f"{folder / NAME}: is no ledger of a batch ({error}); move it away", file=folder / NAME
+                f"{folder / NAME}: is not the ledger of a batch ({error}); move it away", file=folder / NAME
             ) from None
         _check_format(self._connection, folder)
 
@@ -149,7 +149,7 @@ class Ledger:
             self._connection.execute("UPDATE jobs SET state = 'pending' WHERE name = ?", (name,))
 
     def end(self, name: str, outcome: Outcome) -> None:
-        """Note what became of a job."""
+        """Record the outcome of a job."""
         values = {column: getattr(outcome, column) for column in OUTCOME_COLUMNS}
         values |= {column: outcome.figures.get(column) for column in FIGURES} | {"ended": time.time()}
         assignments = ", ".join(f"{column} = ?" for column in values)
@@ -165,7 +165,7 @@ class Ledger:
 
 @dataclass(frozen=True, kw_only=True)
 class Standing:
-    """Where a batch stands.
+    """State of a batch.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class Standing:
 
 
 def standing(folder: Path, *, active: bool) -> Standing:
-    """Return where the batch of a folder stands, also while it runs."""
+    """Return the state of the batch in a folder, also while it runs."""
     with closing(_reading(folder)) as connection:
         states = Counter(dict(connection.execute("SELECT state, count(*) FROM jobs GROUP BY state")))
         failures = Counter(

@@ -1,4 +1,4 @@
-"""What became of a job, as it is noted beside its files, in the ledger and for the caller."""
+"""The outcome of a job, as recorded beside its files, in the ledger and for the caller."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -28,7 +28,7 @@ FIGURES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How a job ended.
+    """Outcome of a job.
 
     Attributes
     ----------

@@ -1,10 +1,10 @@
-"""Where a batch stands, as text."""
+"""Status of a batch, as text."""
 
 from pathlib import Path
 
 from toile.dressing.batch.batch_progress import failures_text, rate_text
+from toile.dressing.batch.folder_lock import is_locked
 from toile.dressing.batch.ledger import standing
-from toile.dressing.batch.processes.folder_lock import is_locked
 from toile.dressing.run.progress import clock
 
 SHOWN = 20
@@ -12,7 +12,7 @@ SHOWN = 20
 
 
 def status_text(folder: Path) -> str:
-    """Return where the batch of a folder stands, also while it runs. Raises InputError if there is none."""
+    """Return the status of a folder's batch, also while it runs. Raises InputError if there is none."""
     where = standing(folder, active=is_locked(folder))
     states = where.states
     known = sum(states.values())
@@ -35,5 +35,5 @@ def status_text(folder: Path) -> str:
     if len(where.running) > SHOWN:
         lines.append(f"  and {len(where.running) - SHOWN} more")
     if not where.active and left:
-        lines.append("the command that started it goes on with what is left")
+        lines.append("the command that started it resumes it")
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Reads an avatar that moves: .npz of vertices over time, animated glTF, or a folder of a mesh per frame."""
+"""Readers of moving avatars: .npz of vertices over time, animated glTF, or a folder with a mesh per frame."""
 
 import re
 from dataclasses import replace
@@ -138,7 +138,7 @@ def _loaded(path: Path, units: str | None, up: str | None, fps: float | None, cl
         frames, faces, own_fps = _read_frames(path)
     if len(frames) < 2:
         raise InputError(
-            f"{path}: a motion needs two frames at least, got {len(frames)}; give a mesh instead", file=path
+            f"{path}: a motion needs at least two frames, got {len(frames)}; give a mesh instead", file=path
         )
     bad = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
     if len(bad):
@@ -149,7 +149,7 @@ def _loaded(path: Path, units: str | None, up: str | None, fps: float | None, cl
     avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=is_gltf)
     metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
     motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
-    assumed = "" if fps or own_fps else ", which is assumed: say otherwise with fps"
+    assumed = "" if fps or own_fps else " (assumed; set fps to change it)"
     count = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
     return replace(avatar, motion=motion, notes=(*avatar.notes, *said, count))
 

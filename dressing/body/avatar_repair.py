@@ -1,4 +1,4 @@
-"""Repair of a triangle soup into one watertight, outward-oriented surface that keeps its shape."""
+"""Repair of a triangle soup: one watertight, outward-oriented surface of the same shape."""
 
 import manifold3d
 import numpy as np

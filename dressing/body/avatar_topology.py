@@ -1,4 +1,4 @@
-"""Connectivity repair: which faces share which edges, and which way round they go."""
+"""Connectivity repair: shared edges and consistent winding."""
 
 import numpy as np
 from scipy.sparse import coo_matrix

@@ -63,7 +63,7 @@ def recognise_frame(
     scale = METRES_PER_UNIT[units]
     if not GIVEN_UNIT_SIZE[0] <= size * scale <= GIVEN_UNIT_SIZE[1]:
         raise InputError(
-            f"{file_name}: the avatar would be {size * scale:.4g} m large in {units}; give the right units"
+            f"{file_name}: the avatar would be {size * scale:.4g} m large in {units}; give the correct units"
         )
 
     if up is None:

@@ -1,4 +1,4 @@
-"""The body as garments see it."""
+"""An avatar together with its measurements."""
 
 from functools import cached_property
 

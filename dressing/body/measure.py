@@ -125,7 +125,7 @@ def _crotch_level(body: _Body) -> float:
     levels = body.levels(0.25 * body.height, 0.62 * body.height)
     split = [level for level in levels if body.trunk(level) is None]
     if not split:
-        raise body.error("its legs do not part (a skirt, or legs that have grown together)")
+        raise body.error("its legs do not part (a skirt, or legs fused together)")
     below = max(split)
     above = below + (levels[1] - levels[0])
     for _ in range(8):
@@ -167,7 +167,7 @@ def _armpit(body: _Body, crotch: float) -> tuple[float, float]:
                 half_width = 0.5 * float(previous.high[0] - previous.low[0])
                 return float(level - (levels[1] - levels[0])), body.middle + half_width
         previous = section
-    raise body.error("no armpit found (arms held up, or grown together with the trunk)")
+    raise body.error("no armpit found (arms raised, or fused with the trunk)")
 
 
 def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:

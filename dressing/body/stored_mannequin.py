@@ -1,6 +1,5 @@
-"""The mannequin of default size, kept on disk: building it takes a quarter of a small T-shirt's preview."""
+"""The mannequin of default size, cached on disk: building it takes a quarter of a small T-shirt's preview."""
 
-import hashlib
 from importlib.metadata import version
 from pathlib import Path
 
@@ -11,10 +10,14 @@ from toile.dressing.body.mannequin import mannequin
 from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.writers.atomic import replacing
 from toile.geometry.errors import InputError
-from toile.geometry.kernel import kernel_cache_dir
+from toile.geometry.kernel_cache import cache_root
+from toile.geometry.sources import hash_of, modules_behind, read_sources
 
 LIBRARIES = ("numpy", "scipy", "manifold3d")
 """On what its last digits depend beside toile's own sources."""
+BUILDER = "toile.dressing.body.mannequin"
+KEPT = 4
+"""Mannequins of earlier sources that stay on disk."""
 
 
 def stored_mannequin() -> Avatar:
@@ -33,6 +36,8 @@ def stored_mannequin() -> Avatar:
             np.savez(
                 temporary, vertices=built.vertices, faces=built.faces, name=built.name, notes=built.notes
             )
+        for old in sorted(path.parent.glob("mannequin-*.npz"), key=_age)[KEPT + 1 :]:
+            old.unlink(missing_ok=True)
     except OSError:
         # A folder that cannot be written, as in a container: it is built every time.
         pass
@@ -41,9 +46,15 @@ def stored_mannequin() -> Avatar:
 
 def _path() -> Path:
     """Where the mannequin of these sources and libraries is kept."""
-    folder = kernel_cache_dir()
-    parts = [folder.name, *(f"{name} {version(name)}" for name in LIBRARIES)]
-    return folder.parent / f"mannequin-{hashlib.sha256(' '.join(parts).encode()).hexdigest()[:16]}.npz"
+    sources = read_sources()
+    libraries = (f"{name} {version(name)}" for name in LIBRARIES)
+    name = hash_of(sources, modules_behind(sources, BUILDER), *libraries)
+    return cache_root() / f"mannequin-{name}.npz"
+
+
+def _age(path: Path) -> float:
+    """Return minus the time when a file was written [s]."""
+    return -path.stat().st_mtime
 
 
 def _read(path: Path) -> Avatar | None:

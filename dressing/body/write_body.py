@@ -1,4 +1,4 @@
-"""A body as a file, in the format that its extension names."""
+"""Writing of a body in the format that the file's extension names."""
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, linear

@@ -1,7 +1,6 @@
 """The command `toile batch`: run, status, export and gallery."""
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -27,16 +26,16 @@ examples:
   toile batch export out results.csv
   toile batch gallery out
 
-The same command again goes on where it was. Ctrl-C waits for the jobs that run, a second one ends them.
+The same command again resumes the batch. Ctrl-C waits for running jobs; a second one ends them.
 exit codes: 0 every job is done, 1 some failed, 2 bad input, 3 the batch had to stop, 130 cancelled
 
 """
 COLUMN_HELP = """\
 columns of a CSV jobs file, and keys of its JSON lines:
-  name           of the job and its folder; made of body and garments if missing
-  avatar         file of the body, relative to the jobs file; the built-in mannequin if missing
-  garment        files or built-in names, from the body outwards, parted by ';'
-  fabric         preset of all garments, or one for each, parted by ';'
+  name           name of the job and its folder (default: body and garments)
+  avatar         file of the body, relative to the jobs file (default: the built-in mannequin)
+  garment        files or built-in names, from the body outwards, separated by ';'
+  fabric         preset of all garments, or one for each, separated by ';'
   quality, edge_length, remesh, max_frames, gravity, friction
   fps, time, clip, units, up of the body's file; height, chest, waist, hip [m] of the mannequin
 JSON lines may hold all keys of a scene file instead (toile dress --scene-keys)."""
@@ -56,14 +55,14 @@ def add_batch(commands: "Commands[Parser]") -> None:
     batch.add_argument(
         "--garments", nargs="+", default=[], metavar="GLOB", help="patterns, meshes or built-in names"
     )
-    batch.add_argument("--fabrics", nargs="+", default=[], metavar="NAME", help="presets, a job for each")
-    batch.add_argument("--jobs", type=Path, metavar="FILE", help=".csv or .jsonl with a job per line")
+    batch.add_argument("--fabrics", nargs="+", default=[], metavar="NAME", help="presets, one job for each")
+    batch.add_argument("--jobs", type=Path, metavar="FILE", help=".csv or .jsonl file with one job per line")
     batch.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
     batch.add_argument("--max-frames", type=int, metavar="N", help="frames after which a drape stops")
     batch.add_argument("--workers", type=int, metavar="N", help="jobs at a time (default: one per core)")
     batch.add_argument("--job-timeout", type=float, metavar="S", help="wall time that a job may take [s]")
     batch.add_argument("--job-memory", type=float, metavar="GB", help="memory that a job may take [GB]")
-    batch.add_argument("--retry", choices=("failed",), help="run jobs again that failed")
+    batch.add_argument("--retry", choices=("failed",), help="run failed jobs again")
     batch.add_argument("--dask", metavar="ADDRESS", help="run on Dask: tcp://host:port, or the word local")
     batch.add_argument(
         "--ship", action="store_true", help="send input files to Dask's workers, which do not see this disk"
@@ -74,7 +73,7 @@ def add_batch(commands: "Commands[Parser]") -> None:
     batch.epilog = EPILOG + COLUMN_HELP
     more = batch.add_subparsers(title="commands on a batch's folder", metavar="COMMAND", parser_class=Parser)
     for name, help_text, run in (
-        ("status", "where the batch stands, also while it runs", _run_status),
+        ("status", "print the state of the batch, also while it runs", _run_status),
         ("export", "write its table to a .csv or .parquet file", _run_export),
         ("gallery", "write pages that show its results", _run_gallery),
     ):
@@ -87,8 +86,6 @@ def add_batch(commands: "Commands[Parser]") -> None:
 
 def _run_batch(options: argparse.Namespace) -> int:
     """Run a batch; the exit code tells whether every job is done."""
-    if not hasattr(os, "fork"):
-        raise InputError("batches need a system that can fork, Linux or macOS; on Windows use WSL")
     from toile.dressing.batch.batch_progress import BatchProgress
     from toile.dressing.batch.batch_stopped import BatchStopped
     from toile.dressing.run.interrupt import CancelOnInterrupt
@@ -121,7 +118,7 @@ def _run_batch(options: argparse.Namespace) -> int:
     finally:
         printer.close()
     if interrupt.requested:
-        print(f"toile: cancelled; the same command goes on: {_summary(progress, options)}", file=sys.stderr)
+        print(f"toile: cancelled; the same command resumes: {_summary(progress, options)}", file=sys.stderr)
         return CANCELLED
     if not options.quiet:
         print(_summary(progress, options))
@@ -179,7 +176,7 @@ def _summary(progress: "BatchProgress", options: argparse.Namespace) -> str:
 
     failed = f", {progress.states['failed']} failed" if progress.states["failed"] else ""
     classes = f" ({failures_text(progress.failures)})" if progress.failures else ""
-    skipped = f"; {progress.skipped} of them before" if progress.skipped else ""
+    skipped = f"; {progress.skipped} of them earlier" if progress.skipped else ""
     return (
         f"{progress.states['done']} done{failed}{classes}{skipped}, {progress.seconds:.1f} s; "
         f"in {options.output} (see toile batch status, export and gallery)"

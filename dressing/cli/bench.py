@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 DESCRIPTION = """\
-toile bench [NAME ...]             error against CPU time of the scenes cantilever, swing, hang, sphere, shirt
-toile bench compare OLD.json NEW.json  what became slower or less exact from one stored report to another
-toile bench remesh                 adaptive against uniform meshes
+toile bench [NAME ...]  error against CPU time of the scenes cantilever, swing, hang, sphere, shirt
+toile bench compare OLD.json NEW.json  regressions in time or accuracy between two stored reports
+toile bench remesh      adaptive against uniform meshes
 
-The exit code is 1 where a bar is missed, or a point has become worse."""
+The exit code is 1 if a bar is missed or a point has become worse."""
 
 REPORT_OPTIONS = ("quick", "repeats", "out", "json")
 OWN_OPTIONS = {"remesh": ("repeats", "json", "scene", "seconds"), "compare": ("ratio",)}
@@ -36,29 +36,34 @@ def add_bench(commands: "Commands[Parser]") -> None:
     )
     bench.add_argument("name", nargs="*", metavar="NAME", help="scenes, or remesh, or compare OLD NEW")
     bench.add_argument(
-        "--quick", action="store_true", help="coarser and fewer: minutes instead of most of an hour"
+        "--quick",
+        action="store_true",
+        help="coarser meshes, fewer points: minutes instead of most of an hour",
     )
-    bench.add_argument("--repeats", type=int, metavar="N", help="repeat what is timed; medians count")
+    bench.add_argument("--repeats", type=int, metavar="N", help="repeat timed runs N times and take medians")
     bench.add_argument("--out", type=Path, metavar="DIR", help="write speed_error.html, .md and .json there")
     bench.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
     bench.add_argument(
-        "--ratio", type=float, metavar="R", help="compare: what is worse by more (default 1.25)"
+        "--ratio",
+        type=float,
+        metavar="R",
+        help="compare: tolerated growth of time or error (default 1.25)",
     )
     bench.add_argument(
         "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"
     )
     bench.add_argument(
-        "--seconds", type=float, metavar="S", help="remesh: length of the films, instead of their own"
+        "--seconds", type=float, metavar="S", help="remesh: length of the films instead of the scenes' own"
     )
     bench.set_defaults(run=_run_bench)
 
 
 def add_stress(commands: "Commands[Parser]") -> None:
     """Add the stress command."""
-    stress = commands.add_parser("stress", help="run the hard cases and check every frame")
+    stress = commands.add_parser("stress", help="run the hard cases and audit every frame")
     stress.add_argument("case", nargs="*", metavar="NAME", help="only these cases (default: all)")
     stress.add_argument("--json", type=Path, metavar="FILE", help="store the figures")
-    stress.add_argument("--pictures", type=Path, metavar="DIR", help="draw the end of every case")
+    stress.add_argument("--pictures", type=Path, metavar="DIR", help="write a picture of every case's end")
     stress.set_defaults(run=_run_stress)
 
 
@@ -73,14 +78,14 @@ def _run_bench(options: argparse.Namespace) -> int:
     for option in sorted({*REPORT_OPTIONS, *chain(*OWN_OPTIONS.values())} - {*own}):
         if getattr(options, option):
             raise InputError(
-                f"--{option} is not for toile bench {study}".rstrip() + "; see toile bench --help",
+                f"--{option} does not apply to toile bench {study}".rstrip() + "; see toile bench --help",
                 field=f"--{option}",
             )
     if study == "compare":
         return run_compare(options.name[1:], options.ratio)
     if study == "remesh":
         if len(options.name) > 1:
-            raise InputError(f"remesh stands alone; name its scenes with --scene, not '{options.name[1]}'")
+            raise InputError(f"remesh takes no names; choose scenes with --scene, not '{options.name[1]}'")
         return _run_remesh(options)
     return run_report(options)
 

@@ -1,4 +1,4 @@
-"""The command `toile`. Only the standard library is imported here: help and errors come at once."""
+"""The command `toile`. Only the standard library is imported here, so that help and errors are immediate."""
 
 import argparse
 import os
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("toile: cancelled", file=sys.stderr)
         return CANCELLED
     except BrokenPipeError:
-        # The reader of our output went away, as in `toile fabrics | head`; nothing is left to say.
+        # The reader of our output has closed it, as in `toile fabrics | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
@@ -54,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         print(
-            f"toile: the simulation broke ({reason}); this is a fault of toile, "
+            f"toile: the simulation failed unexpectedly ({reason}); this is a bug in toile, "
             "please report it with the output of TOILE_TRACEBACK=1 toile ...",
             file=sys.stderr,
         )
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def command_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands; `run` of what it parses does what was asked, given all of it."""
+    """Return the parser of all commands; the attribute `run` of its result runs the command."""
     parser = Parser(
         prog="toile",
         description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
@@ -85,7 +85,7 @@ def command_parser() -> argparse.ArgumentParser:
 
     patterns = commands.add_parser("patterns", help="list or write the built-in patterns")
     patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
-    patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft them to")
+    patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft the patterns to")
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
@@ -110,11 +110,11 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         type=Path,
         metavar="BODY",
         help="body: .obj .ply .stl .glb .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, an "
-        "animated .glb or .gltf, or a folder of a mesh per frame (default: built-in mannequin)",
+        "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
     )
-    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a BODY that moves")
+    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a moving BODY")
     dress.add_argument(
-        "--time", type=float, metavar="S", help="dress a BODY that moves as it stands at this time [s]"
+        "--time", type=float, metavar="S", help="dress a moving BODY as it stands at S seconds"
     )
     dress.add_argument(
         "--clip", metavar="NAME", help="animation of a .glb or .gltf BODY (default: the first)"
@@ -135,11 +135,11 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress.add_argument(
         "--remesh",
         action=argparse.BooleanOptionalAction,
-        help="let the mesh adapt to the folds (default), or keep it as it is",
+        help="adapt the mesh to the folds (default), or keep it as it is",
     )
     dress.add_argument(
         "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
-        help="wind [m/s], Y up, on garments that follow a BODY that moves; 0 0 0 is still air",
+        help="wind [m/s], Y up, on garments that follow a moving BODY; 0 0 0 is still air",
     )  # fmt: skip
     dress.add_argument(
         "--format",
@@ -150,13 +150,12 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
     )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
-    dress.add_argument("--threads", type=int, metavar="N", help="threads (default 1)")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
     dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")
     dress.add_argument(
-        "--resume", type=Path, metavar="OUTDIR", help="go on with the interrupted run in this folder"
+        "--resume", type=Path, metavar="OUTDIR", help="resume the interrupted run in this folder"
     )
-    dress.epilog = "A scene file does what these options do and more; its keys: toile dress --scene-keys"
+    dress.epilog = "A scene file offers these options and more; toile dress --scene-keys lists its keys."
     dress.add_argument("--scene-keys", action=_PrintSceneKeys, help="list the keys of a scene file and exit")
     dress.set_defaults(run=_run_dress)
 
@@ -183,7 +182,7 @@ def _run_dress(options: argparse.Namespace) -> int:
 
     if (options.output is None) == (options.resume is None):
         raise InputError(
-            "give an output folder with -o OUTDIR, or --resume OUTDIR to go on with a run", field="--output"
+            "give an output folder with -o OUTDIR, or --resume OUTDIR to resume a run", field="--output"
         )
     folder = options.output or options.resume
     scene = None if options.resume else _scene_of(options)
@@ -227,7 +226,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats", "threads")
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
     reading = {

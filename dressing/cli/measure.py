@@ -11,13 +11,13 @@ def add_measure(commands: "Commands[Parser]") -> None:
     """Add the measure command."""
     measure = commands.add_parser(
         "measure",
-        help="measure a body, and show where",
+        help="measure a body, and draw where",
         description="Measure a standing body with its arms away from the trunk [cm].",
     )
     measure.add_argument("body", type=Path, metavar="BODY", help="OBJ, PLY, STL or GLB file")
     measure.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
     measure.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
-    measure.add_argument("-o", "--output", type=Path, metavar="FILE.svg", help="picture of where")
+    measure.add_argument("-o", "--output", type=Path, metavar="FILE.svg", help="picture of the measurements")
     measure.set_defaults(run=_run_measure)
 
 

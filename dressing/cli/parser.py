@@ -1,4 +1,4 @@
-"""What all commands share: the parser, exit codes, and lines for people."""
+"""The parser, exit codes and progress lines that all commands share."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""`toile bench`: the speed-error report, and two stored ones side by side."""
+"""`toile bench`: the speed-error report, and the comparison of two stored reports."""
 
 import argparse
 from collections.abc import Sequence
@@ -75,7 +75,7 @@ def _store(charts: "Sequence[Chart]", options: argparse.Namespace, folder: Path 
 
 
 def _summary(chart: "Chart") -> list[str]:
-    """Return a chart as lines: what its floor is, and which points nothing beats."""
+    """Return a chart as lines: its floor and its Pareto front."""
     from toile.studies.speed_error.pareto import pareto_front
 
     front = pareto_front(chart.points)

@@ -17,7 +17,7 @@ def add_validate(commands: "Commands[Parser]") -> None:
         "validate",
         help="compare the physics with theory and with measured cloth",
         description="Compare the physics with theory and with measured cloth. "
-        "The exit code is 1 where a bar is missed.",
+        "The exit code is 1 if a bar is missed.",
     )
     validate.add_argument("case", nargs="*", metavar="NAME", help="only these cases (default: all)")
     validate.add_argument("--json", type=Path, metavar="FILE", help="store the figures")

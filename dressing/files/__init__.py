@@ -1,1 +1,1 @@
-"""Files read and checked: glTF, OBJ, NPZ, TOML; what names suggest."""
+"""File formats: glTF, OBJ, NPZ, TOML and, through meshio, others; checks of surfaces."""

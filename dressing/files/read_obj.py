@@ -1,4 +1,4 @@
-"""Wavefront OBJ: shared vertices, texture coordinates per corner, groups.
+"""Reader of Wavefront OBJ that keeps shared vertices, texture coordinates per corner, and groups.
 
 General loaders split vertices along texture seams and where normals differ, which cuts a garment into its UV
 islands and numbers the vertices of every frame of a motion anew; here `v` lines stay vertices.

@@ -1,4 +1,4 @@
-"""The sentence that helps after a misspelt name."""
+"""Suggestions for misspelt names."""
 
 import difflib
 from collections.abc import Iterable

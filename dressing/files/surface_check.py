@@ -1,4 +1,4 @@
-"""Makes a surface from a file fit for simulation, or says exactly which faces are at fault."""
+"""Check that a surface can be simulated; errors name the faces at fault."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -9,7 +9,7 @@ ASSIGNMENT = re.compile(rf"^\s*({PART}(?:\s*\.\s*{PART})*)\s*=")
 
 
 class LineNumbers:
-    """Where each key of a TOML text stands; keys inside inline tables have the line of the outer key."""
+    """Line of each key of a TOML text; keys inside inline tables have the line of the outer key."""
 
     def __init__(self, text: str) -> None:
         self._lines: dict[KeyPath, int] = {}

@@ -1,4 +1,4 @@
-"""The surface of volume cells: faces that only one cell has."""
+"""The surface of volume cells: faces that belong to one cell only."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""A garment ready for the engine, whatever it came from: pattern, built-in draft or 3-D mesh."""
+"""A garment ready for the engine, made from a pattern, a built-in draft or a 3-D mesh."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING

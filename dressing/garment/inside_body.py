@@ -1,4 +1,4 @@
-"""Pieces of a garment that start inside the body: they touch nothing that could free them."""
+"""Pieces of a garment that start inside the body and touch nothing that could free them."""
 
 import numpy as np
 from scipy.sparse import coo_array

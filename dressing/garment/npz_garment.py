@@ -1,4 +1,4 @@
-"""A garment as arrays in an .npz file: what programs say about one that mesh files have no words for."""
+"""Garments as arrays in .npz files, for programs that have more to say than mesh files can hold."""
 
 from dataclasses import replace
 from itertools import product
@@ -222,7 +222,7 @@ def _motion(path: Path, held: dict[str, Any], corner_vertex: Int) -> VertexMotio
         return None
     if "fps" not in held or held["motion"].shape[1] != len(held["vertices"]) or len(held["motion"]) < 2:
         raise InputError(
-            f"{path}: `motion` needs `fps`, two frames at least, and a place for every vertex",
+            f"{path}: `motion` needs `fps`, at least two frames, and a place for every vertex",
             file=path,
             field="motion",
         )

@@ -1,4 +1,4 @@
-"""Names and labels of GarmentCode, and what they say about the roles of panels and edges."""
+"""Roles of panels and edges from the names and labels of GarmentCode."""
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
 

@@ -1,4 +1,4 @@
-"""What panels and edges of a pattern are for: readers and drafts say so, whatever the names are."""
+"""Roles of panels and edges of a pattern, set by readers and drafts."""
 
 from typing import Literal
 

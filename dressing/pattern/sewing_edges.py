@@ -1,4 +1,4 @@
-"""In which triangles a garment is sewn before its mesh adapts."""
+"""Edge lengths of the triangles in which a garment is sewn, before its mesh adapts."""
 
 from typing import NamedTuple
 

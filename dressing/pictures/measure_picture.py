@@ -1,4 +1,4 @@
-"""Where a body is measured: its front view with tapes and lengths drawn over it, as SVG."""
+"""A picture of the measurements: the body's front view with tapes and lengths drawn over it, as SVG."""
 
 import base64
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Triangles to pixels: which face is nearest to the eye at each pixel."""
+"""Rasterizer: the nearest face at each pixel."""
 
 import math
 

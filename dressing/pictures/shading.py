@@ -1,4 +1,4 @@
-"""Light on cloth and skin: what lets people judge folds in a picture.
+"""Shading of cloth and skin that makes folds visible.
 
 Key light with soft shadows, fill, rim and hemispheric ambient light, the latter darkened by
 screen-space ambient occlusion.

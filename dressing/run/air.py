@@ -1,10 +1,10 @@
-"""The air around garments that follow a body: still, a wind, gusts."""
+"""Air around garments that follow a body: still, a steady wind, gusts."""
 
 import math
 from dataclasses import dataclass
 
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.gusts import Gusts
-from toile.engine.forces.wind import AirFlow
 from toile.geometry.errors import InputError
 
 DENSITY = 1.2

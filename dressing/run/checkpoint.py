@@ -1,7 +1,7 @@
-"""What a run leaves behind while it goes on, so that it can be taken up again: scene and state.
+"""Checkpoints of a run in its output folder, from which it can be resumed.
 
-Files are Python pickles, as `multiprocessing` uses them: take up only what you trust. They are removed when a
-run has ended by itself.
+Scene and state are Python pickles, as `multiprocessing` uses them: resume only what you trust. They are
+removed when a run has ended by itself.
 """
 
 import pickle
@@ -63,13 +63,13 @@ class Checkpoint:
             shutil.rmtree(self.folder)
 
     def load(self) -> "tuple[ResolvedScene, Hung | None, FilmState | None]":
-        """Return what was noted last. Raises InputError if there is nothing to take up."""
+        """Return what was noted last. Raises InputError if there is nothing to resume."""
         from toile.engine.film.plan import FilmState
 
         scene, hung, state = self._read(SCENE), self._read(HUNG), self._read(FRAME)
         if not isinstance(scene, ResolvedScene):
             raise InputError(
-                f"{self.output}: there is no run to take up; it has ended, or it never wrote here",
+                f"{self.output}: there is no run to resume; it has ended, or never wrote here",
                 file=self.output,
             )
         return (
@@ -89,11 +89,11 @@ class Checkpoint:
             wrote, content = pickle.loads(path.read_bytes())
         except Exception as error:  # whatever a damaged pickle may raise
             raise InputError(
-                f"{path}: is damaged ({type(error).__name__}); start the run anew", file=path
+                f"{path}: is damaged ({type(error).__name__}); start the run again", file=path
             ) from None
         if wrote != version("toile"):
             raise InputError(
-                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run anew", file=path
+                f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run again", file=path
             )
         return content
 

@@ -59,7 +59,7 @@ def dress(
 
 
 def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
-    """Go on with a run that was interrupted, from its last frame: the result is what it had been.
+    """Resume an interrupted run from its last frame, with the result it would have had.
 
     Parameters and result are those of `dress`. Raises InputError if the folder holds no interrupted run.
     """
@@ -68,10 +68,10 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
     checkpoint = Checkpoint(folder)
     scene, hung, state = checkpoint.load()
     if hung is None:
-        listener.say("the garments did not hang yet: starting over")
+        listener.say("the garments were not draped yet: starting from the beginning")
         return _from_the_start(scene, writable_folder(folder), listener)
     load_scene_kernels(scene, True, listener)
-    listener.say(f"going on after frame {0 if state is None else len(state.record.crossings) - 1}")
+    listener.say(f"resuming after frame {0 if state is None else len(state.record.crossings) - 1}")
     return _to_the_end(scene, hung, checkpoint, listener, state)
 
 
@@ -94,7 +94,7 @@ def _to_the_end(
         failure=hung.drape.failure,
     )  # fmt: skip
     if scene.air is not None and hung.avatar.motion is None:
-        listener.say("air acts on garments that follow a body in motion; this one stands still")
+        listener.say("air acts only on garments that follow a moving body; this body stands still")
     if hung.avatar.motion is not None and result.status in FOLLOWS:
         result = _followed(scene, hung, checkpoint, listener, state)
     else:

@@ -1,4 +1,4 @@
-"""The garments follow a moving avatar: one frame after the other, written as it is computed."""
+"""Garments that follow a moving avatar, written frame by frame."""
 
 import math
 import re
@@ -42,7 +42,7 @@ LONGEST_STEP = 1.0 / 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class Followed:
-    """How garments followed a motion: they and the avatar at its end, why it ended early, figures."""
+    """Outcome of a motion: garments and avatar at its end, why it ended early, figures."""
 
     garments: tuple[DressedGarment, ...]
     avatar: Avatar
@@ -53,7 +53,7 @@ class Followed:
 
 
 def frame_path(frames: Path, name: str, index: int) -> Path:
-    """Where the mesh of that name and frame is."""
+    """Return the path of the mesh of that name and frame."""
     return frames / f"{file_stem(name)}.{index:04d}.ply"
 
 
@@ -97,7 +97,7 @@ def follow(
     listener
         Told every frame; may cancel.
     state
-        Where to go on instead of at the beginning.
+        State to resume from, instead of starting at the beginning.
     """
     motion = hung.avatar.motion
     assert motion is not None
@@ -202,7 +202,7 @@ def _failure(made: FilmRecord, crossing: str) -> Failure | None:
         return Failure(kind="motion", message=made.failure, where=f"frame {frame}")
     if any(map(sum, made.crossings)):
         frame = next(index for index, found in enumerate(made.crossings) if sum(found))
-        # The place is known of frames of this run; a film taken up after a crossing knows the frame only.
+        # The place is known of frames of this run; a film resumed after a crossing knows the frame only.
         return Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
     return None
 

@@ -1,10 +1,10 @@
-"""From what a scene calls a garment to what it is made from: built-in pattern, file or mesh."""
+"""The source of a garment: built-in pattern, file or mesh."""
 
 from pathlib import Path
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
-from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.garment.readers import garment_formats
 from toile.dressing.pattern.drafts import built_in_names
 from toile.dressing.run.scene import Garment
 from toile.geometry.errors import InputError, about
@@ -32,9 +32,9 @@ def checked_source(garment: Garment) -> GarmentSource:
 
 def _check_file(path: Path) -> None:
     """Raise InputError if there is no garment file of that name."""
-    if path.suffix.lower() not in (".json", *MESH_FORMATS):
+    if path.suffix.lower() not in garment_formats():
         kind = path.suffix or "(no extension)"
-        raise InputError(f"{path}: unknown garment format '{kind}'; use .json, {', '.join(MESH_FORMATS)}")
+        raise InputError(f"{path}: unknown garment format '{kind}'; use {', '.join(garment_formats())}")
     if not path.is_file():
         raise InputError(f"{path}: garment file not found; check the path")
     if not path.stat().st_size:

@@ -1,4 +1,4 @@
-"""Garments of a scene on its avatar as that is at the start: read, sewn, hanging, and the report of it."""
+"""Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
 import time
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from toile.engine.cloth.fabric import Fabric
 
 @dataclass(frozen=True)
 class _Sewing:
-    """How the garments were sewn at last, and the wall time of all attempts [s]: reading, and by stages."""
+    """The last sewing attempt, and the wall time of all attempts [s]: reading, and by stages."""
 
     cloth: list[tuple[GarmentMesh, Fabric]]
     options: DrapeOptions
@@ -114,7 +114,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         reading_seconds += time.perf_counter() - started
         cloth = [(mesh, garment.fabric) for mesh, garment in zip(meshes, scene.garments, strict=True)]
         if checkpoint is not None and edges == scene.sewing[0]:
-            # Not before all is read: a slip of the pen must not wipe out a run that can be taken up.
+            # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
         outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
         for stage, seconds in outcome.figures.stage_seconds.items():
@@ -135,7 +135,6 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
         gravity=scene.gravity,
         friction=scene.friction,
         friction_between=scene.friction_between,
-        threads=scene.threads,
         pins=tuple(
             pinned_vertices(mesh, garment.pins) for mesh, garment in zip(meshes, scene.garments, strict=True)
         ),

@@ -1,4 +1,4 @@
-"""Ctrl-C as a request: the first press finishes the frame and keeps the result, the second one kills."""
+"""Ctrl-C as a request: the first press finishes the frame and keeps the result, the second stops at once."""
 
 import signal
 from types import FrameType, TracebackType

@@ -1,61 +1,47 @@
 """Load kernels; on a first run, compile them in two processes at once."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
-DRAPE_KERNELS = (
-    "toile.engine.forces.membrane",
-    "toile.engine.solve.assembly",
-    "toile.engine.solve.block_pattern",
-    "toile.engine.solve.linear_system",
-    "toile.engine.solve.cg",
-    "toile.engine.solve.preconditioner.block_jacobi",
-    "toile.engine.solve.preconditioner.gauss_seidel",
-    "toile.collide.guard",
-    "toile.collide.carry",
-    "toile.engine.forces.contact",
-    "toile.engine.forces.friction",
-    "toile.engine.solve.preconditioner.aggregates",
-    "toile.engine.solve.preconditioner.band_cholesky",
-    "toile.engine.solve.preconditioner.rigid_coarse",
-    "toile.engine.solve.preconditioner.rigid_product",
-    "toile.engine.solve.preconditioner.rigid_transfer",
-    "toile.collide.bvh",
-    "toile.collide.candidates",
-    "toile.collide.cover",
-    "toile.collide.merged_pairs",
-    "toile.collide.segment_hits",
-    "toile.collide.search",
-    "toile.collide.shrunken",
-    "toile.geometry.slope_stencil",
-)
-PANEL_KERNELS = (
-    "toile.remesh.panel.smooth_points",
-    "toile.remesh.panel.split_ears",
-    "toile.remesh.panel.delaunay_flip",
-    "toile.remesh.panel.frontal_insert",
-)
-REMESH_KERNELS = (
-    "toile.collide.patch_clearance",
-    "toile.remesh.sizing.edge_size",
-    "toile.remesh.adapt.choose_merges",
-    "toile.remesh.sizing.smooth_curvature",
-    "toile.remesh.mesh.mesh_edges",
-    "toile.remesh.adapt.mesh_in_work",
-    "toile.remesh.adapt.judge_flips",
-    "toile.remesh.adapt.flip_round",
-    "toile.remesh.adapt.removable_nodes",
-    "toile.remesh.mesh.node_faces",
-    "toile.remesh.adapt.merge_patches",
-    "toile.remesh.adapt.disjoint_pairs",
-)
-INTEGRATOR_KERNELS = ("toile.engine.forces.spring", "toile.engine.forces.membrane_damping")
-PICTURE_KERNELS = ("toile.dressing.pictures.rasterizer", "toile.dressing.pictures.shading")
-"""Modules that hold kernels, those that others import before those."""
+from toile.geometry.sources import modules_behind, read_sources
+
+DEFINES_KERNELS = re.compile(rb"^@(?:packed_)?kernel\(", re.MULTILINE)
+ROOMS = {
+    "panel": ("toile.remesh.panel.",),
+    "remesh": ("toile.remesh.", "toile.collide.patch_clearance"),
+    "picture": ("toile.dressing.pictures.",),
+}
+"""How names of modules begin that not every drape needs; the first that fits counts."""
+
+
+def _kernel_modules() -> dict[str, tuple[str, ...]]:
+    """Return the modules that define kernels, by what needs them; those that others import before those."""
+    sources = read_sources()
+    behind = {
+        name: modules_behind(sources, name) for name, text in sources.items() if DEFINES_KERNELS.search(text)
+    }
+    runs = [name for name in sources if name.startswith(("toile.dressing.run.", "toile.dressing.batch."))]
+    needed = modules_behind(sources, *runs)
+    found: dict[str, list[str]] = {room: [] for room in ("drape", "integrator", *ROOMS)}
+    # What a module imports has fewer modules behind it than the module itself.
+    for name in sorted(behind, key=lambda name: (len(behind[name] & behind.keys()), name)):
+        rooms = (room for room, starts in ROOMS.items() if name.startswith(starts))
+        found[next(rooms, "drape") if name in needed else "integrator"].append(name)
+    return {room: tuple(names) for room, names in found.items()}
+
+
+_MODULES = _kernel_modules()
+DRAPE_KERNELS = _MODULES["drape"]
+PANEL_KERNELS = _MODULES["panel"]
+REMESH_KERNELS = _MODULES["remesh"]
+PICTURE_KERNELS = _MODULES["picture"]
+INTEGRATOR_KERNELS = _MODULES["integrator"]
+"""Modules whose kernels every drape needs; patterns; meshes that adapt; pictures; nothing but the studies."""
 
 IMPORT_ALL = "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]"
 

@@ -1,4 +1,4 @@
-"""Who is told how a run goes on."""
+"""Callbacks that follow a run."""
 
 from collections.abc import Callable
 

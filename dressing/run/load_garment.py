@@ -1,4 +1,4 @@
-"""From what a garment is made from to its mesh, placed about the body, its pins found and its warp turned."""
+"""Loading of a garment: its mesh placed about the body, its pins found and its warp turned."""
 
 import math
 from collections.abc import Mapping
@@ -12,6 +12,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.garment.readers import read_garment
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.resolved_scene import ResolvedGarment
@@ -93,13 +94,11 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         )
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
-    if isinstance(source, Path):
-        from toile.dressing.pattern.garmentcode import read_garmentcode
-
-        pattern = read_garmentcode(source)
-    else:
-        pattern = built_in(source, form.measurements)
-    return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
+    found = read_garment(source) if isinstance(source, Path) else built_in(source, form.measurements)
+    if isinstance(found, GarmentMesh):
+        _check_pattern_coordinates(found)
+        return found
+    return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:

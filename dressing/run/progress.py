@@ -1,4 +1,4 @@
-"""Where a drape stands, and how a terminal shows it."""
+"""Progress of a drape, and its display on a terminal."""
 
 import math
 from collections import deque

@@ -1,4 +1,4 @@
-"""What the words preview, standard and accurate mean in numbers."""
+"""The quality presets preview, standard and accurate, in numbers."""
 
 from dataclasses import dataclass
 
@@ -35,7 +35,7 @@ class Quality:
     tolerance: float
 
     def sizing(self, finest: float) -> SizingOptions:
-        """How an adaptive mesh follows the folds, its shortest edges `finest` [m]."""
+        """Return the sizing of an adaptive mesh with shortest edges `finest` [m]."""
         return SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=self.refine_angle)
 
 

@@ -1,4 +1,4 @@
-"""report.json: what a drape did, for people, scripts and tables."""
+"""report.json: the figures of a drape, for people, scripts and tables."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""A scene with every choice made: presets looked up, names found, defaults filled in, numbers at hand."""
+"""A scene with every choice made: presets looked up, names found, defaults filled in."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from toile.dressing.run.quality import Quality, quality_preset
 from toile.dressing.run.result import file_stem
 from toile.dressing.run.scene import AvatarFile, AvatarSource, Garment, MannequinSize, Scene
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.forces.wind import AirFlow
+from toile.engine.forces.air_flow import AirFlow
 from toile.geometry.errors import InputError, about
 from toile.remesh.sizing.sizing import SizingOptions
 
@@ -48,7 +48,7 @@ class ResolvedGarment:
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedScene:
-    """What a run needs to know of a scene; `resolve` has checked all of it that can be checked unread.
+    """The input of a run; `resolve` has checked everything that can be checked without reading files.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats, threads
+    formats
         As in `Scene`.
     """
 
@@ -93,7 +93,6 @@ class ResolvedScene:
     friction_between: Mapping[frozenset[str], float]
     air: AirFlow | None
     formats: Sequence[str]
-    threads: int
 
 
 def resolve(scene: Scene) -> ResolvedScene:
@@ -129,7 +128,6 @@ def resolve(scene: Scene) -> ResolvedScene:
         friction_between=_friction_between(scene.friction_between, cloth),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
-        threads=scene.threads,
     )  # fmt: skip
 
 

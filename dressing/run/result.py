@@ -1,4 +1,4 @@
-"""What a drape gives back, and how it becomes files."""
+"""The result of a drape, and its files."""
 
 import re
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""What the user asks for: who wears which garments, of which fabric, how exactly."""
+"""A scene as the user asks for it: avatar, garments, fabrics, quality."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -71,9 +71,9 @@ class Garment:
     Attributes
     ----------
     source
-        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers"), path of a GarmentCode
-        specification (.json) or of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or .npz as
-        `read_npz_garment` says), or a finished GarmentMesh.
+        Name of a built-in pattern ("tshirt", "circle_skirt", "trousers") or of a registered draft, path of a
+        GarmentCode specification (.json), of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or
+        .npz as `read_npz_garment` says) or of a file with a registered reader, or a finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
     name
@@ -137,9 +137,6 @@ class Scene:
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
-    threads
-        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
-        neither the result nor the speed depends on it yet.
     """
 
     garments: Sequence[Garment]
@@ -155,7 +152,6 @@ class Scene:
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
     formats: Sequence[str] = ()
-    threads: int = 1
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -190,7 +186,6 @@ class Scene:
                     f"friction_between: a pair is two names, got {pair!r}", field="friction_between"
                 )
             _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
-        _check_number("threads", self.threads, low=1, high=1024)
 
     def fabric_of(self, garment: Garment) -> str | Fabric:
         """Return what a garment is made of: a fabric, or the name of one that may not exist."""

@@ -1,4 +1,4 @@
-"""From what a scene says of its avatar to the avatar."""
+"""Loading of a scene's avatar."""
 
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import Avatar, load_avatar

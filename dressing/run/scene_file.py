@@ -49,16 +49,15 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "": {
         "quality": (str, "preview, standard (default) or accurate"),
         "edge_length": (NUMBER, "edge length of the triangles [m] instead of the quality's"),
-        "remesh": ((bool, dict), "false: the mesh stays as it is; table: how it adapts to the folds"),
+        "remesh": ((bool, dict), "false: keep the mesh as it is; table: how it adapts to the folds"),
         "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
-        "air": (dict, "table: air that resists and blows as garments follow a body that moves"),
-        "formats": (list, "formats of garments beside PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
-        "threads": (int, "threads to use, default 1; the result does not depend on it"),
+        "air": (dict, "table: still air or wind on garments that follow a moving body"),
+        "formats": (list, "formats of garments in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
-        "avatar": (dict, "table: the body; without it the built-in mannequin"),
+        "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
         "fabric": (dict, "tables: one [fabric.NAME] for each fabric of your own"),
     },
@@ -76,18 +75,21 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "eddies": (NUMBER, "size of gusts [m], default 2"),
         "seed": (int, "which gusts, default 0"),
         "drag": (NUMBER, "drag coefficient of cloth across the flow, default 1"),
-        "lift": (NUMBER, "lift coefficient, 0 (dragged along) to drag (pressed along its normal), default 1"),
+        "lift": (
+            NUMBER,
+            "lift coefficient, from 0 (drag only) to that of drag (pressure only), default 1",
+        ),
     },
     "avatar": {
         "file": (
             str,
             "OBJ, PLY, STL, GLB, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb, folder",
         ),
-        "fps": (NUMBER, "frames per second of a body that moves; the file's own or 24 if missing"),
-        "time": (NUMBER, "time of its motion at which a body stands still [s]; it moves if missing"),
-        "clip": (str, "name of the animation of a .glb or .gltf; the first if missing"),
-        "units": (str, "m, cm or mm; recognised from the size if missing"),
-        "up": (str, "y or z; recognised if missing"),
+        "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
+        "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
+        "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
+        "units": (str, "m, cm or mm (default: recognised from the size)"),
+        "up": (str, "y or z (default: recognised)"),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
         "waist": (NUMBER, "its waist circumference [m]"),
@@ -102,12 +104,12 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "fabric": (str, "preset or [fabric.NAME]"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
-        "warp_angle": ((int, float, dict), "turn of the warp direction [degrees], or panel = degrees"),
+        "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
         "units": (str, "m, cm or mm of a mesh file"),
         "up": (str, "y or z of a mesh file"),
     },
     "fabric": {
-        "like": (str, "preset that gives every value not set here"),
+        "like": (str, "preset that supplies every value not set here"),
         **{
             entry.name: (NUMBER, f"see toile.Fabric.{entry.name}, SI units")
             for entry in fields(Fabric)
@@ -148,7 +150,7 @@ def scene_keys_help() -> str:
     for table, keys in SCENE_KEYS.items():
         heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
         lines.append(heading.get(table, f"[{table}]"))
-        lines += [f"  {key:<16}{meaning}" for key, (_, meaning) in keys.items()]
+        lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
 
 
@@ -176,7 +178,7 @@ class _SceneReader:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
         plain = {
             key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats", "threads")
+            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats")
             if key in data
         }
         tables: dict[str, Any] = {

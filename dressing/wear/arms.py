@@ -1,4 +1,4 @@
-"""Arms drawn in while a wide garment is put on: a skirt then hangs before they come back."""
+"""Arms drawn in while a wide garment is put on, so that a skirt hangs before they come back."""
 
 import numpy as np
 

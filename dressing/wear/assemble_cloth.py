@@ -1,4 +1,4 @@
-"""Garment meshes of a scene become one Cloth."""
+"""Assembly of a scene's garment meshes into one Cloth."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What goes into a drape and what comes out: the contract between scene, frame loop and writers."""
+"""Input and output of a drape: the contract between scene, frame loop and writers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ FailureKind = Literal["open_seams", "tangled", "not_sewn", "numerical", "motion"
 
 @dataclass(frozen=True, kw_only=True)
 class DrapeOptions:
-    """How to drape.
+    """Options of a drape.
 
     Attributes
     ----------
@@ -39,9 +39,6 @@ class DrapeOptions:
         Coulomb coefficient against the avatar for all garments, or None for each fabric's own.
     friction_between
         Coefficients of pairs of fabrics, or of a fabric and "body", by their names.
-    threads
-        Threads the kernels may use, at most as many as there are cores. Today's kernels are serial, so
-        neither results nor speed depend on it yet.
     pins
         Material vertices held where they start, one array per garment.
     self_contact
@@ -57,7 +54,6 @@ class DrapeOptions:
     gravity: float = 9.81
     friction: float | None = None
     friction_between: Mapping[frozenset[str], float] = field(default_factory=dict)
-    threads: int = 1
     pins: tuple[Int, ...] = ()
     self_contact: tuple[bool, ...] = ()
     persistent: bool = True
@@ -65,7 +61,7 @@ class DrapeOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class FrameState:
-    """Where a drape stands after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
+    """State of a drape after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
 
     frame: int
     faces: int
@@ -77,7 +73,7 @@ class FrameState:
 
 @dataclass(frozen=True, kw_only=True)
 class Failure:
-    """Why a drape failed: the kind of failure, one sentence, and where (panels, faces, frame).
+    """A failure of a drape: its kind, one sentence, and where (panels, faces, frame).
 
     `faces` are the faces at fault by their numbers in the file of each garment, shape (k,), where both are
     known.
@@ -213,7 +209,7 @@ class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
     `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
-    film goes on with.
+    film continues with.
     """
 
     status: Status

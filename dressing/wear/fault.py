@@ -1,4 +1,4 @@
-"""Where triangles cross: garment, panels, faces as their file counts them, and the place in space."""
+"""Descriptions of crossing triangles: garment, panels, faces as their file counts them, coordinates."""
 
 from collections.abc import Sequence
 from typing import Protocol

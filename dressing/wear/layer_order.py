@@ -1,4 +1,4 @@
-"""Order of panels that hang from a curled edge: they start outside what they are sewn to.
+"""Order of panels that hang from a curled edge: they start outside the panel they are sewn to.
 
 A flared panel (a circle skirt, a peplum) has a curled waist edge. When a straighter edge opens it out, the
 ends of the panel swing up and outward beside the seam. If they start between the body and the panel above,

@@ -1,10 +1,9 @@
-"""A drape from garment meshes to draped garments: repair the start, run the engine, read off the figures."""
+"""A drape from garment meshes to draped garments: start repair, engine, figures."""
 
 import time
 from collections.abc import Callable
 from dataclasses import replace
 
-import numba
 import numpy as np
 
 from toile.collide.shrunken import shrunken
@@ -70,7 +69,6 @@ def drape(
     InputError
         A garment starts in a way that cannot be repaired.
     """
-    numba.set_num_threads(min(options.threads, numba.config.NUMBA_NUM_THREADS))
     layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
     reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
     if not layered:
@@ -238,13 +236,13 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh]) -> Failure | None:
         return Failure(
             kind="open_seams",
             message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-            "the garment may be too small for this body, or cloth lies in the way",
+            "the garment may be too small for this body, or cloth is in the way",
             where=", ".join(seams),
         )
     if run.phase != "settling":
         return Failure(
             kind="not_sewn",
-            message=f"the frame limit came while the garment was still {run.phase}; allow more frames",
+            message=f"the frame limit was reached while the garment was still {run.phase}; allow more frames",
             where=f"frame {len(record.crossings) - 1}",
         )
     return None

@@ -1,4 +1,4 @@
-"""Repair of a start in which flat panels cut the body or each other: move whole panels clear.
+"""Repair of a start in which flat panels cut the body or each other: whole panels are moved clear.
 
 A garment whose seams would have to close through the body (shoulder seams that start below the shoulder)
 is lifted first, so that they close above it.
@@ -115,7 +115,7 @@ def lift_over_shoulders(
     spacing = float(np.median(np.linalg.norm(np.diff(start, axis=0), axis=1)))
 
     def blocked(lift: float) -> Bool:
-        """Which stitches run through the body at this lift, or less than HEADROOM above it."""
+        """Mark stitches that run through the body at this lift, or less than HEADROOM above it."""
         up, below = np.array([0.0, lift, 0.0]), np.array([0.0, lift - HEADROOM, 0.0])
         return np.asarray(test.crossing(start + up, end + up) | test.crossing(start + below, end + below))
 

@@ -1,4 +1,4 @@
-"""How far cloth is stretched along its threads."""
+"""Strain of cloth along its threads."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What is worn already: garments in their places, an obstacle to the next one."""
+"""Garments that are already worn, as obstacles to the next one."""
 
 from dataclasses import replace
 

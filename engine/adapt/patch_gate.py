@@ -1,8 +1,8 @@
-"""Which flips and collapses a cloth in a run can bear: no crossing, no closing gap, no jump in energy."""
+"""The gate of remeshing: refuses flips and collapses that cross, close a gap or add too much energy."""
 
 import numpy as np
 
-from toile.collide.patch_clearance import clear_proposals
+from toile.collide.patch_clearance import PatchChanges, clear_proposals
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.step.step import ClothStepper
@@ -49,11 +49,13 @@ class PatchGate:
         number = np.cumsum(accepted, dtype=np.int32) - np.int32(1)
         weld = np.arange(len(positions), dtype=np.int32)
         weld[: len(self._weld)] = self._weld
-        clear = clear_proposals(
-            positions, proposals.face_nodes, weld, np.ascontiguousarray(proposals.triangles[rows]),
-            number[proposals.owner[rows]], proposals.removed[removed],
-            number[proposals.removed_owner[removed]], int(accepted.sum()), self._avatar, LEAST_GAP, LEAST_GAP,
+        changes = PatchChanges(
+            np.ascontiguousarray(proposals.triangles[rows]), number[proposals.owner[rows]],
+            proposals.removed[removed], number[proposals.removed_owner[removed]], int(accepted.sum()),
         )  # fmt: skip
+        clear = clear_proposals(
+            positions, proposals.face_nodes, weld, changes, self._avatar, LEAST_GAP, LEAST_GAP
+        )
         accepted[accepted] = clear
         self.left -= float(added[accepted].sum())
         return accepted

@@ -1,4 +1,4 @@
-"""Remeshing of cloth in a run: what it asks the mesher for, and how its state follows onto the new mesh."""
+"""Remeshing of cloth in a run: input for the mesher, and the state carried to the new mesh."""
 
 from dataclasses import dataclass, replace
 
@@ -114,7 +114,7 @@ def _memory(memory: Memory, transfer: TransferMap) -> Memory:
 def remesh_run(
     run: ClothRun, options: SizingOptions, relax: StepRequest, step: int, keep_energy: bool = False
 ) -> Remeshing | None:
-    """Let a run go on with a mesh that fits its cloth's present shape; None where it keeps its own.
+    """Continue a run on a mesh that fits its cloth's present shape; None where it keeps its own.
 
     Then the nodes around changed faces find their places, by steps `relax` of one Newton iteration, while
     all others stay. With `keep_energy` they do so only as far as it takes to bring the elastic energy back to

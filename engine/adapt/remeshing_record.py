@@ -1,4 +1,4 @@
-"""What one remeshing of a run did."""
+"""Record of one remeshing of a run."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""How fine a cloth wants its mesh to be, read off its present state."""
+"""The sizing field of a cloth in its present state."""
 
 from functools import reduce
 

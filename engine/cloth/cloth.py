@@ -1,4 +1,4 @@
-"""The state of all cloth in a scene: a structure of arrays, nodes apart from material vertices.
+"""The state of all cloth in a scene as arrays, with nodes apart from material vertices.
 
 A node moves; a material vertex lies in a panel. Where panels are sewn, one node has several material
 vertices (the distinction of Narain, Samii and O'Brien 2012).

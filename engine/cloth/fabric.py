@@ -1,4 +1,4 @@
-"""What a fabric is made of, in SI units."""
+"""Mechanical properties of a fabric, in SI units."""
 
 from dataclasses import dataclass
 

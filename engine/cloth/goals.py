@@ -1,4 +1,4 @@
-"""Goals: places that cloth is drawn to, pins that give way."""
+"""Goals: places to which springs draw cloth; pins that give way."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where cloth comes from: corners and faces of the files that garments were read from."""
+"""The corners and faces of garment files that cloth was made from."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from toile.remesh.adapt.transfer import TransferMap
 
 @dataclass(frozen=True, kw_only=True)
 class Origin:
-    """What every material vertex and face was made of; whatever a file says about those follows from it.
+    """The file corners and faces behind every material vertex and face; file attributes follow from them.
 
     Attributes
     ----------

@@ -1,7 +1,8 @@
-"""How vertices move, of an avatar or of what pins follow: frames at equal times, interpolated in between."""
+"""Motion of an avatar's vertices, or of points that pins follow: frames at equal times, interpolated."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -41,25 +42,46 @@ class VertexMotion:
         Before the first and after the last frame they stay. `pose` gives the frames instead.
         """
         pose = pose or self.pose
-        place = min(max(seconds * self.fps, 0.0), len(self.frames) - 1.0)
-        index = min(int(place), len(self.frames) - 2)
-        s = place - index
+        index, s = self.place(seconds)
         if s <= 1e-9 or s >= 1.0 - 1e-9:
             # Frames themselves come out as they are.
             return pose(index + round(s))
+        return self.between(index, pose).at(s)
+
+    def place(self, seconds: float) -> tuple[int, float]:
+        """Return the frame before a time [s] that is not the last, and the share of the way to the next."""
+        place = min(max(seconds * self.fps, 0.0), len(self.frames) - 1.0)
+        index = min(int(place), len(self.frames) - 2)
+        return index, place - index
+
+    def between(self, index: int, pose: Callable[[int], Float]) -> "Between":
+        """Return the way from a frame to the next; `pose` gives the frames."""
         start, end = pose(index), pose(index + 1)
         leave = _tangent(start - pose(max(index - 1, 0)), end - start)
         arrive = _tangent(end - start, pose(min(index + 2, len(self.frames) - 1)) - end)
-        ease = s * s * (3.0 - 2.0 * s)
-        return np.asarray(
-            start + ease * (end - start) + s * (s - 1.0) ** 2 * leave + s * s * (s - 1.0) * arrive
-        )
+        return Between(start, end - start, leave, arrive)
 
     def speed(self, seconds: float, span: float) -> tuple[float, int]:
         """Fastest vertex between a time and `span` [s] later: mean speed [m/s] and number of the vertex."""
         away = np.linalg.norm(self.at(seconds + span) - self.at(seconds), axis=1)
         fastest = int(away.argmax())
         return float(away[fastest]) / span, fastest
+
+
+class Between(NamedTuple):
+    """The way from one frame to the next: its start, its chord, the tangents at both ends [m], (v, 3)."""
+
+    start: Float
+    chord: Float
+    leave: Float
+    arrive: Float
+
+    def at(self, s: float) -> Float:
+        """Positions after a share of the way [m], shape (v, 3)."""
+        ease = s * s * (3.0 - 2.0 * s)
+        return np.asarray(
+            self.start + ease * self.chord + s * (s - 1.0) ** 2 * self.leave + s * s * (s - 1.0) * self.arrive
+        )
 
 
 def _tangent(before: Float, after: Float) -> Float:

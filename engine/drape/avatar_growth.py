@@ -1,4 +1,4 @@
-"""The avatar of a stepper on its way to another shape."""
+"""Growth of a stepper's avatar to another shape."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The frame loop of a drape on a still body: sew the seams shut, let go, settle to equilibrium.
+"""The frame loop of a drape on a still body: sew the seams, grow the body, settle to equilibrium.
 
 Draping asks for the equilibrium, not for the movie: every step starts at rest, so an implicit step of
 size h is a damped Newton step on the static problem, and growing h turns it into the Newton step itself.

@@ -63,7 +63,7 @@ def merge(drape: DrapeState) -> None:
 
 
 def _restart(drape: DrapeState, cloth: Cloth, body_radius: float | None) -> None:
-    """Go on with a cloth of another topology, at the same least distance [m] from the avatar."""
+    """Continue with a cloth of another topology, at the same least distance [m] from the avatar."""
     drape.restart(cloth)
     if drape.stepper.collisions is not None and body_radius is not None:
         drape.stepper.collisions.set_body_radius(body_radius)

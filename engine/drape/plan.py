@@ -1,4 +1,4 @@
-"""Words and numbers of a drape: its plan, the avatar's growth, its frames, the record of what happened."""
+"""Plan, growth, frames and record of a drape."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -58,7 +58,7 @@ class DrapePlan:
     untangle_stiffness
         Stiffness of the springs that draw tangled cloth apart where it crosses [N/m].
     tangle_frames
-        Frames of steps that tangled cloth is drawn apart before the drape goes on as it is.
+        Frames of steps that tangled cloth is drawn apart before the drape continues as it is.
     late_frames
         Frames of steps at most in which stitches that are still open when the garment hangs are closed.
     growth_lag
@@ -138,7 +138,7 @@ class Frame:
 
 @dataclass
 class DrapeRecord:
-    """What a drape did.
+    """Record of a drape.
 
     `crossings` counts crossing pairs (avatar, cloth) per audited frame; `settled_crossings` only those of
     output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies. `pop`

@@ -1,4 +1,4 @@
-"""A drape in progress: its cloth, the stepper of its present topology, and what was done so far."""
+"""A drape in progress: its cloth, its stepper and what was done so far."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -37,7 +37,7 @@ class BeforePassing(NamedTuple):
 
 
 class DrapeState(ClothRun):
-    """What the phases of a drape share.
+    """State that the phases of a drape share.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class DrapeState(ClothRun):
         return self.record.cancelled or self.record.steps >= self.plan.max_steps
 
     def stopped(self) -> bool:
-        """Whether what is going on must end: all is over, or tangles had their share of the steps.
+        """Whether the present phase must end: the drape is over, or tangles had their share of the steps.
 
         That holds for tangles that can be taken back: what is left of the steps is for the next attempt.
         """
@@ -105,7 +105,7 @@ class DrapeState(ClothRun):
         return np.asarray(np.linalg.norm(self.stepper.x[pairs[:, 0]] - self.stepper.x[pairs[:, 1]], axis=1))
 
     def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
-        """Go on with a cloth of another topology."""
+        """Continue with a cloth of another topology."""
         super().restart(cloth, anchors, memory)
         self._before = None
         self._meshed_at = self.stepper.x.copy()
@@ -169,7 +169,7 @@ class DrapeState(ClothRun):
         return moved > (MOVED_AT_END if finished else MOVED) * self.plan.sizing.size_min
 
     def remember(self) -> None:
-        """Keep the drape as it is, so that it can be taken up again."""
+        """Save the drape as it is, so that a second attempt can start from here."""
         cloth = replace(self.cloth, positions=self.stepper.x.copy(), velocities=np.zeros_like(self.stepper.x))
         avatar = None if self.surface is None else self.surface.vertices.copy()
         self.before_passing = BeforePassing(cloth, avatar)

@@ -1,4 +1,4 @@
-"""Tangles: where cloth crosses itself or the avatar it passes through, until it is drawn apart."""
+"""Tangles: cloth that crosses itself or the avatar may pass through until it is drawn apart."""
 
 import numpy as np
 

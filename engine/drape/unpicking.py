@@ -29,7 +29,7 @@ def leave_open(drape: DrapeState) -> None:
 
 
 def _go_back(drape: DrapeState) -> None:
-    """Take up the drape as it was before cloth was let pass."""
+    """Restore the drape as it was before cloth was let pass."""
     start = drape.before_passing
     assert start is not None
     drape.phase = "sewing"

@@ -1,4 +1,4 @@
-"""A motion carried on for some time: steps made, judged, kept or undone."""
+"""Advances a motion over a span of time: steps are made, judged, and kept or undone."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 
 @dataclass
 class StepCounts:
-    """What a motion took.
+    """Work that a motion took.
 
     `steps` counts those that were kept, `retries` those that were undone and tried again shorter, `forced`
     steps of the shortest size that were kept although they should have been undone; iterations are those of
@@ -34,7 +34,7 @@ class StepCounts:
 
 @dataclass(frozen=True, kw_only=True)
 class Way:
-    """How a stepper is taken along.
+    """Settings by which a motion is advanced.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Way:
 def advance(
     stepper: ClothStepper, way: Way, sizes: StepSizes, span: tuple[float, float], counts: StepCounts
 ) -> Iterator[StepOutcome]:
-    """Take a stepper on, `span` being when it starts and for how long [s]; yield outcomes of steps kept."""
+    """Advance a stepper over `span`, its start and length [s]; yield the outcomes of steps that are kept."""
     since, seconds = span
     left = seconds
     while left > ROUNDING * seconds:

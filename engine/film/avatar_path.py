@@ -1,10 +1,10 @@
-"""Where a moving avatar goes: its motion, its skins held apart where cloth is near."""
+"""The path of a moving avatar: its motion, with skins held apart where cloth is near."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from toile.collide.skin_slots import SkinSlots
-from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.cloth.vertex_motion import Between, VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 
 NEAR = 0.1
@@ -25,6 +25,7 @@ class AvatarPath:
         self.motion = motion
         self._slots = SkinSlots(motion.pose(0), faces)
         self.poses: dict[int, Float] = {}
+        self._between: tuple[int, Between] | None = None
         self._near: Bool = np.zeros(len(motion.pose(0)), bool)
 
     def see(self, avatar: Float, cloth: Float) -> None:
@@ -34,7 +35,13 @@ class AvatarPath:
 
     def at(self, seconds: float) -> Float:
         """Positions at a time [m], shape (v, 3)."""
-        return self.motion.at(seconds, self._pose)
+        index, s = self.motion.place(seconds)
+        if s <= 1e-9 or s >= 1.0 - 1e-9:
+            return self._pose(index + round(s))
+        if self._between is None or self._between[0] != index:
+            # Stages of steps ask for several places on the same way.
+            self._between = index, self.motion.between(index, self._pose)
+        return self._between[1].at(s)
 
     def _pose(self, index: int) -> Float:
         """Positions at a frame, skins apart [m], shape (v, 3)."""

@@ -1,4 +1,4 @@
-"""Words and numbers of a film: its plan, its frames, the record of what happened."""
+"""Plan, frames and record of a film."""
 
 from dataclasses import dataclass, field
 
@@ -63,7 +63,7 @@ class FilmPlan:
         How far cloth may hold an avatar's vertex back [m]: beyond, the film ends.
     """
 
-    step: StepOptions
+    step: StepOptions = field(default_factory=StepOptions)
     integrator: Integrator = baraff_witkin
     frame_seconds: float = 1.0 / 30.0
     longest_step: float = 1.0 / 120.0
@@ -119,7 +119,7 @@ class FilmFrame:
 
 @dataclass(frozen=True, kw_only=True)
 class FilmState:
-    """All that a film needs to go on after a frame, with the same result.
+    """All that is needed to resume a film after a frame, with the same result.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class FilmState:
 
 @dataclass
 class FilmRecord(StepCounts):
-    """What a film did, beside its counts of steps.
+    """Record of a film, beside its counts of steps.
 
     Lists have one entry per frame: crossing pairs (avatar, cloth), faces, steps since the last frame, largest
     stretch, smallest gap [m], avatar's lag [m]; `remeshings` one per remeshing. `failure` says why a film

@@ -1,4 +1,4 @@
-"""The film of cloth in motion on a still or moving avatar: implicit steps, frames at a fixed rate."""
+"""The frame loop of a film: cloth in motion on a still or moving avatar, frames at a fixed rate."""
 
 from collections.abc import Callable
 from copy import deepcopy
@@ -84,7 +84,7 @@ class Simulation(ClothRun):
         return self.record
 
     def state(self) -> FilmState:
-        """Return all that the film needs to go on, after a frame."""
+        """Return all that is needed to resume the film after a frame."""
         stepper = self.stepper
         return FilmState(
             cloth=self.cloth, memory=stepper.memory,
@@ -95,7 +95,7 @@ class Simulation(ClothRun):
         )  # fmt: skip
 
     def go_on_from(self, state: FilmState) -> None:
-        """Take up a film of the same avatar, plan and motion where another left it."""
+        """Resume a film of the same avatar, plan and motion from the state of another."""
         if self.surface is not None and state.avatar is not None:
             self.surface.move_to(state.avatar)
         if self.path is not None:
@@ -235,7 +235,7 @@ class Simulation(ClothRun):
         return float(self.warp_weft_strain().max())
 
     def _close_frame(self) -> None:
-        """Audit the cloth as it is, hand it out and book it."""
+        """Audit the cloth as it is, pass it to the caller and record it."""
         record = self.record
         if self.motion is not None:
             self.auditor = None

@@ -1,4 +1,4 @@
-"""How long the steps of cloth in motion are, and which of them are kept."""
+"""Control of step sizes: by the rise of the largest stretch, or by the error per second."""
 
 from dataclasses import dataclass
 from math import ceil, inf
@@ -13,6 +13,8 @@ SHRINK, GROW = 0.3, 2.0
 """Limits of the change from one step to the next where the error decides."""
 REPEATED = 2.0
 """A step of more than this many times the allowed error is undone."""
+ROUNDING = 1e-9
+"""Share of a size that is rounding."""
 HELD = 1.2
 """Sizes that follow the error grow only by more than this: a change makes BDF2 less exact."""
 
@@ -42,7 +44,7 @@ class StepLimits:
 
 
 class StepSizes:
-    """The step size of a motion as it goes on.
+    """The step size of a motion, adapted after every step.
 
     Attributes
     ----------
@@ -60,7 +62,7 @@ class StepSizes:
         `speed` is that of the fastest node [m/s].
         """
         wished = min(self.h, self.limits.motion_max / max(speed, 1e-300))
-        return left / ceil(left / wished - 1e-9)
+        return left / ceil(left / wished - ROUNDING)
 
     def keeps(self, h: float, outcome: StepOutcome, rise: float) -> bool:
         """Judge a step of h [s] that raised the largest stretch so far: whether it is kept.
@@ -75,7 +77,8 @@ class StepSizes:
         wrong = factor < CAUTION / REPEATED**0.5
         good = outcome.converged and rise <= limits.stretch_rise and not wrong
         if not good:
-            if h > limits.shortest:
+            # A share of the time left may exceed the wished size by rounding.
+            if h > limits.shortest * (1.0 + 10.0 * ROUNDING):
                 self.h = max(limits.shortest, h * min(0.5, max(SHRINK, factor)))
                 return False
             return True

@@ -297,9 +297,16 @@ class PairFriction(NamedTuple):
         return np.asarray(self.table[sides[:, 0], sides[:, 1]])
 
 
+class Meeting(NamedTuple):
+    """Surfaces that can meet: (vertex-face, edge-edge) candidates, radius per vertex [m], (n,), law."""
+
+    pairs: tuple[Int, Int]
+    radius: Float
+    law: ContactLaw
+
+
 def evaluate_contacts(
-    p: Float, p_start: Float, cloth_nodes: int, body: tuple[Int, Int], cloth: tuple[Int, Int],
-    radius_body: Float, radius_self: Float, area: Float, law_body: ContactLaw, law_self: ContactLaw,
+    p: Float, p_start: Float, cloth_nodes: int, body: Meeting, cloth: Meeting, area: Float,
     pair_friction: PairFriction, ahead: Float = NO_MOTION,
 ) -> Contacts:  # fmt: skip
     """Evaluate all candidate pairs at positions p, without friction.
@@ -309,10 +316,8 @@ def evaluate_contacts(
     p, p_start
         Cloth nodes followed by avatar vertices now and at their anchors [m], shape (n, 3).
     body, cloth
-        (vertex-face, edge-edge) candidates against the avatar and within the cloth.
-    radius_body, radius_self
-        Contact radius per vertex [m], shape (n,). Against the avatar a pair uses its smallest; within the
-        cloth each side gives half of its smallest.
+        Cloth against the avatar, where a pair uses its smallest radius, and against itself, where each side
+        gives half of its smallest.
     area
         Area per vertex [m^2], shape (n,).
     pair_friction
@@ -322,22 +327,23 @@ def evaluate_contacts(
         already. Without it only pairs within the radius are. That of avatar vertices is certain: gap and slip
         count as after it.
     """
-    capacity = len(body[0]) + len(body[1]) + len(cloth[0]) + len(cloth[1])
+    capacity = sum(len(pairs) for meeting in (body, cloth) for pairs in meeting.pairs)
     nodes, vertices = np.empty((capacity, 4), np.int32), np.empty((capacity, 4), np.int32)
     weights, normal, slid = np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty((capacity, 3))
     push, hard, gap = (np.empty(capacity) for _ in range(3))
     energy = np.zeros(1)
     count = 0
     touching_body = 0
-    for pairs_of, radius, law in ((body, radius_body, law_body), (cloth, radius_self, law_self)):
+    for meeting in (body, cloth):
+        pairs_of, radius, law = meeting
         for kind in (0, 1):
             if len(pairs_of[kind]):
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, share, ahead,
-                    pairs_of is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
+                    meeting is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
                 )  # fmt: skip
-        if pairs_of is body:
+        if meeting is body:
             touching_body = count
     normal, push, hard = normal[:count], push[:count], hard[:count]
     return Contacts(

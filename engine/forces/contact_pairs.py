@@ -1,4 +1,4 @@
-"""What cloth is to contact: how thick it is at every node, how any two materials rub on each other."""
+"""Contact properties of cloth: thickness of every node, friction of every pair of materials."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""What every force of the engine is: an energy with derivatives, on nodes that it names.
+"""The protocol of a force: an energy with derivatives, on nodes that it names.
 
 `ClothStepper` keeps a plain list of forces. In every step it asks each whether it acts (`begin`), and in
 every Newton iteration for its gradient and Hessian where the nodes are (`linearise`).
@@ -14,7 +14,7 @@ from toile.geometry.arrays import Float, Int
 
 
 class StepState(Protocol):
-    """What a force may know of the step in which it acts.
+    """The part of a step that a force may see.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class StepState(Protocol):
 
     @property
     def request(self) -> StepRequest:
-        """What the step is asked to do."""
+        """The request of the step."""
 
     @property
     def h(self) -> Float:
@@ -77,15 +77,22 @@ class Force(Protocol):
 
 
 class NodalForce:
-    """What forces without elements, without a constant matrix and without stored energy have in common."""
+    """Base of forces without elements, without a constant matrix and without stored energy.
+
+    They act in every step, unless a class says otherwise.
+    """
 
     nodes: Int | None = None
     elastic = False
     constant_matrix: csr_array | None = None
 
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Act in every step."""
+        return True
+
 
 class ElementForce:
-    """What forces of elements have in common: they always act, and store energy."""
+    """Base of forces on elements: they store energy, and act in every step unless a class says otherwise."""
 
     nodes: Int | None = None
     elastic = True

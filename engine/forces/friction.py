@@ -1,4 +1,4 @@
-"""Coulomb friction of contacts, smoothed: from the forces that a step brings about, not those at its start.
+"""Coulomb friction of contacts, smoothed, from the normal forces and slips at the end of the step.
 
 Friction pulls against the tangential slip u with mu * lambda * f(|u|), f rising smoothly from 0 to 1 at
 |u| = slip (Li et al. 2020, section 5), linear in u by the secant to the slip at the end of the step.

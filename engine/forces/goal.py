@@ -1,4 +1,4 @@
-"""Goals as a force: springs per area towards places that may move, see `engine.cloth.goals`."""
+"""Goals as a force: springs per area towards places that may move (see `engine.cloth.goals`)."""
 
 import numpy as np
 

@@ -1,5 +1,7 @@
 """Holds: springs that keep nodes near a place, so that the garment closes where it was put."""
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 
 from toile.engine.forces.force import NodalForce, StepState
@@ -8,7 +10,7 @@ from toile.engine.solve.linear_system import ContactStencils
 from toile.geometry.arrays import Float, Int
 
 
-class NodeSprings(NodalForce):
+class NodeSprings(NodalForce, ABC):
     """Springs E = k/2 sum_axis w_axis (x - target)^2 on single nodes; `begin` says what k is in a step.
 
     Attributes
@@ -26,6 +28,10 @@ class NodeSprings(NodalForce):
         self.targets = targets
         self.axes = axes
         self._stiffness = 0.0
+
+    @abstractmethod
+    def begin(self, step: StepState, x: Float) -> bool:
+        """Take the stiffness k [N/m] of a step, and tell whether the springs act in it."""
 
     def energy(self, x: Float) -> float:
         """Energy [J]."""

@@ -1,4 +1,4 @@
-"""Springs between pairs of nodes: all that the mass-spring cloth is made of.
+"""Springs between pairs of nodes, of which mass-spring cloth is made.
 
 E = k/2 (|d| - L)^2 with d the vector between the two nodes. The Hessian is k n n^T + k (1 - L/|d|)(I - n
 n^T), n = d/|d|; a shortened spring pushes its ends sideways, so the second term is left out while |d| < L
@@ -118,7 +118,7 @@ class Springs(ElementForce):
 
 
 class SpringDamping(ElementDamping):
-    """What resists the lengthening of springs, c (n . (v_a - v_b)) n."""
+    """Damping of the lengthening of springs, c (n . (v_a - v_b)) n."""
 
     def __init__(self, springs: Springs, seconds: float) -> None:
         """Build for coefficients of `seconds` times each spring's stiffness."""

@@ -1,4 +1,4 @@
-"""What one step is asked to do."""
+"""The request for one step: size, targets, tolerances."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ MOTION_MAX = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class StepRequest:
-    """What one step is to do.
+    """Request for one step.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Wind: air presses on moving cloth along its normal, and rubs along it, in proportion to the relative speed.
+"""Wind: air presses on moving cloth along its normal and rubs along it, linearly in the relative speed.
 
 Force per area k_w (n . u) n + k_s (u - (n . u) n), with n the normal of the face and u = u_w - v the velocity
 of the air less that of the cloth; a third of a face's area counts at each of its nodes, with the node's own
@@ -8,42 +8,12 @@ start of the step, so the force derives from a dissipation potential, h/2 sum of
 - (n . u) n|^2), quadratic in the positions.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.force import NodalForce, StepState
-from toile.engine.forces.gusts import Gusts
 from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
-
-
-@dataclass(frozen=True, kw_only=True)
-class AirFlow:
-    """Air around the cloth.
-
-    Attributes
-    ----------
-    velocity
-        Velocity of the air [m/s], x, y, z.
-    resistance
-        k_w [N s/m^3]: pressure per relative speed. Pressure drag rho c/2 u^2 of a plate has this secant at
-        speed u: k_w = rho c u / 2.
-    friction
-        k_s [N s/m^3]: traction along the cloth per relative speed.
-    gusts
-        How the velocity varies about that one, or None.
-    """
-
-    velocity: tuple[float, float, float]
-    resistance: float
-    friction: float = 0.0
-    gusts: Gusts | None = None
-
-    def velocity_at(self, seconds: float) -> Float:
-        """Velocity of the air [m/s] at a time [s], shape (3,)."""
-        mean = np.array(self.velocity)
-        return mean if self.gusts is None else self.gusts.velocity(mean, seconds)
 
 
 class Wind(NodalForce):

@@ -1,4 +1,4 @@
-"""Where element blocks meet the global vector and the block matrix.
+"""Scattering of element gradients and blocks to the global vector and the block matrix.
 
 An element's 3x3 blocks go to slots found once per topology (`block_pattern`). Scattering is serial, in
 element order, hence deterministic.

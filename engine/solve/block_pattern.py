@@ -1,4 +1,4 @@
-"""Where the 3x3 blocks of a symmetric matrix lie: its diagonal, and one triangle of it."""
+"""Sparsity of a symmetric matrix of 3x3 blocks: its diagonal and one triangle."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Rows of 3x3 blocks in fours, as they lie in memory, for products and sweeps."""
+"""Products of rows of 3x3 blocks as SIMD vectors of four numbers."""
 
 from toile.geometry.fours import first_last, four_at, plus_product
 from toile.geometry.kernel import helper, unsigned

@@ -48,8 +48,8 @@ def solve(
     preconditioner : already updated for this system (a stale one is valid as well).
     tolerance : stop when the residual, in the preconditioner's norm, has dropped by this factor.
     max_iterations : give up after as many products with A; `converged` is then False.
-    start : first guess [m], shape (node_count, 3); its values at pinned nodes are ignored. None: zero.
-    reference : that of a like right-hand side [J], which saves finding it; only with a guess, and not zero.
+    start : warm start [m], shape (node_count, 3); its values at pinned nodes are ignored. None: zero.
+    reference : that of a like right-hand side [J], which saves finding it; only with a warm start, not zero.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The Hessian of a Newton iteration while forces add to it: element blocks, stencils, a constant part."""
+"""The Hessian of a Newton iteration, to which forces add element blocks, stencils and a constant part."""
 
 from collections.abc import Sequence
 

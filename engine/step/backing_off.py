@@ -1,4 +1,4 @@
-"""Steps to equilibrium that only stretch the cloth are shortened."""
+"""Shortening of steps to equilibrium that only stretch the cloth."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The forces of a cloth, one line each: what a scene does not ask for is not there."""
+"""The list of forces of a cloth, one line each; forces that a scene does not need are left out."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What every run of cloth has: the cloth, a still or growing avatar, a stepper, an auditor, a clock."""
+"""State that drapes and films share: cloth, still or growing avatar, stepper, auditor, clock."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ class ClothRun:
         self.stepper = cloth_stepper(cloth, self.surface, options, clock)
 
     def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
-        """Go on with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
+        """Continue with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
 
         Without them anchors start at the nodes, and steps know no past.
         """

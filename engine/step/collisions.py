@@ -1,4 +1,4 @@
-"""Contact of one cloth: search, contact forces, safe moves and friction anchors, one object.
+"""Contact of one cloth in one object: search, contact forces, safe moves and friction anchors.
 
 It is a force like others where its energy and derivatives are concerned. Beyond that it finds the pairs that
 can touch, shortens displacements to what is safe, and moves the avatar along.
@@ -9,9 +9,9 @@ import numpy as np
 from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.forces.contact import NO_MOTION, Contacts, evaluate_contacts
+from toile.engine.forces.contact import NO_MOTION, Contacts, Meeting, evaluate_contacts
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
-from toile.engine.forces.force import NodalForce, StepState
+from toile.engine.forces.force import NodalForce
 from toile.engine.forces.untangle import Untangling
 from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import ContactStencils
@@ -72,10 +72,6 @@ class Collisions(NodalForce):
 
     # As a force.
 
-    def begin(self, step: StepState, x: Float) -> bool:
-        """Act in every step."""
-        return True
-
     def energy(self, x: Float) -> float:
         """Barrier energy [J] of the candidates at x [m], shape (n, 3)."""
         return self._evaluate(x, NO_MOTION).energy
@@ -123,8 +119,10 @@ class Collisions(NodalForce):
         search, options = self.search, self.options
         search.place(x)
         return evaluate_contacts(
-            search.positions, self.anchor, self._count, search.body, search.cloth, self.radius_body,
-            self._radius_self, self._area, options.law_body, options.law_self, self._pair_friction, moving,
+            search.positions, self.anchor, self._count,
+            Meeting(search.body, self.radius_body, options.law_body),
+            Meeting(search.cloth, self._radius_self, options.law_self),
+            self._area, self._pair_friction, moving,
         )  # fmt: skip
 
     def set_body_radius(self, radius: float) -> None:

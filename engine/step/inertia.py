@@ -1,4 +1,4 @@
-"""Inertia of one step: where nodes get to by themselves, and how heavily they resist leaving it.
+"""Inertia of one step: the inertial prediction of every node and its step size.
 
 Nodes in contact take backward Euler steps while all others take stages of a method of higher order: what an
 impact does to a velocity is over in a step, and a method that carries it on as an acceleration makes nodes
@@ -24,7 +24,7 @@ class Inertia(NamedTuple):
     h: Float
 
     def without_forces(self, gravity: float) -> Float:
-        """Where nodes get to under gravity [m/s^2], along -y, alone [m], shape (n, 3)."""
+        """Inertial prediction [m], shape (n, 3), under gravity [m/s^2] along -y."""
         there = self.origin + self.h[:, None] * self.velocity
         there[:, 1] -= self.h * self.h * gravity
         return there
@@ -38,15 +38,17 @@ class Inertia(NamedTuple):
         return np.asarray((self.velocity_at(x) - self.velocity) / self.h[:, None])
 
 
-def inertia_of(x: Float, v: Float, h: float, stage: Stage | None, blunt: Bool) -> Inertia:
+def inertia_of(x: Float, v: Float, h: float, stage: Stage | None, first_order: Bool) -> Inertia:
     """Return the inertia of a step of h [s] from positions [m] and velocities [m/s], shapes (n, 3).
 
-    With a stage, only nodes marked in `blunt`, shape (n,), take backward Euler steps.
+    With a stage, only nodes marked `first_order`, shape (n,), take backward Euler steps.
     """
     sizes = np.full(len(x), h)
     if stage is None:
         return Inertia(x, v, sizes)
-    here = blunt[:, None]
+    here = first_order[:, None]
     return Inertia(
-        np.where(here, x, stage.origin), np.where(here, v, stage.velocity), np.where(blunt, sizes, stage.h)
+        np.where(here, x, stage.origin),
+        np.where(here, v, stage.velocity),
+        np.where(first_order, sizes, stage.h),
     )

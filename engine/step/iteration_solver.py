@@ -1,4 +1,4 @@
-"""The linear systems of one Newton iteration: solved until friction fits the solution."""
+"""The linear systems of one Newton iteration, solved again until friction fits the solution."""
 
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ RUBBINGS, RUBBED = 3, 0.1
 
 
 class Iteration(NamedTuple):
-    """What the linear systems of one Newton iteration have in common.
+    """The part that all linear systems of one Newton iteration share.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Iteration(NamedTuple):
     ahead
         How far `positions` are from the nodes [m], shape (n, 3), or None where they are the same. Contacts
         are linearised at the nodes themselves, from where their motion must be safe.
-    guess
+    warm_start
         What the displacement from `positions` may be [m], shape (n, 3), or None: nothing, as where they
         are ahead already.
     """
@@ -52,7 +52,7 @@ class Iteration(NamedTuple):
     node_diagonal: Float
     pinned: Bool | None
     ahead: Float | None
-    guess: Float | None
+    warm_start: Float | None
 
 
 class IterationSolver:
@@ -61,9 +61,9 @@ class IterationSolver:
     def __init__(self, system: LinearSystem) -> None:
         self.system = system
         self.preconditioner: Preconditioner = make_preconditioner(system)
-        # What a loose tolerance leaves of a guess is force on what moves smoothly, unless that part is solved
-        # exactly: cloth in fast flight would not feel gravity.
-        self._takes_guesses = not isinstance(self.preconditioner, BlockJacobi)
+        # With a loose tolerance, what is left of a warm start acts as a force on smooth motions, unless those
+        # are solved exactly: cloth in fast flight would not feel gravity.
+        self._warm_starts = not isinstance(self.preconditioner, BlockJacobi)
 
     def solve(
         self, iteration: Iteration, contacts: Contacts | None, slip: float, clock: StageClock
@@ -118,7 +118,7 @@ class IterationSolver:
         ahead = iteration.ahead
         if known is None:
             self.preconditioner.update(self.system, iteration.positions)
-            start = iteration.guess if self._takes_guesses else None
+            start = iteration.warm_start if self._warm_starts else None
         else:
             start = known.solution if ahead is None else known.solution - ahead
         now = clock.add("assembly", now)

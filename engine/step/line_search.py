@@ -1,4 +1,4 @@
-"""Backtracking line search on what a step minimises."""
+"""Backtracking line search on the function that a step minimises."""
 
 from collections.abc import Callable
 

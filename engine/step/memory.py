@@ -1,4 +1,4 @@
-"""What steps remember, and what a step changes, kept so that it can be tried again."""
+"""Memory of a stepper: the past that integrators use, and saved states for retries."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""The nodes of a stepper: where they are, how they move, what they weigh, which do not move."""
+"""The nodes of a stepper: positions, velocities, masses, pins."""
 
 from typing import NamedTuple
 

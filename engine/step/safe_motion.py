@@ -1,4 +1,4 @@
-"""The safe move of cloth in motion, and of the avatar with it."""
+"""Safe moves of cloth in motion, and of the avatar with it."""
 
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ class SafeMove(NamedTuple):
 
 
 def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
-    """See to it that most pairs are known that can touch as nodes move beside a still avatar.
+    """Make candidates cover the expected motion of the nodes beside a still avatar, for most nodes.
 
     Candidates that miss some contacts ahead are safe: what the step then asks for is searched.
 
@@ -74,7 +74,7 @@ def _search_body(
 def expect_avatar(
     search: ContactSearch, avatar: AvatarSurface, motion: Float, x: Float, ahead: Float, allowed: Float
 ) -> None:
-    """See to it that most pairs are known that can touch as avatar and nodes move, as `expect` does.
+    """Make candidates cover the expected motion of avatar and nodes, for most of them, as `expect` does.
 
     Candidates of an earlier iteration or step often still do: they cover a few steps like this one.
 

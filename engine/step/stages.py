@@ -1,4 +1,4 @@
-"""Stages of implicit integrators: from what is known of the past to what is to be minimised.
+"""Stages of implicit integrators: known states combined into what a step minimises.
 
 Every stage of backward Euler, BDF2 and TR-BDF2 asks for a state that satisfies
 
@@ -23,7 +23,7 @@ GAMMA = 2.0 - 2.0**0.5
 
 
 class Stage(NamedTuple):
-    """What an implicit stage asks for: origin [m], velocity [m/s], shapes (n, 3), and step size [s]."""
+    """An implicit stage: origin [m], velocity [m/s], shapes (n, 3), and step size [s]."""
 
     origin: Float
     velocity: Float
@@ -31,7 +31,7 @@ class Stage(NamedTuple):
 
     @property
     def inertial(self) -> Float:
-        """Where nodes get to without forces [m], y, shape (n, 3)."""
+        """Inertial prediction y [m], shape (n, 3)."""
         return self.origin + self.h * self.velocity
 
     def velocity_at(self, x: Float) -> Float:

@@ -1,4 +1,4 @@
-"""One step in the making: what it was asked, where it has got to, what it has met."""
+"""A step in progress: its request, its inertia and the contacts it has met."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class StepInProgress:
         What it is asked to do; what it is a stage of, None for a backward Euler step.
     start, velocity
         Nodes [m] and their velocities [m/s] at its start, shapes (n, 3).
-    blunt
+    first_order
         Nodes that take a backward Euler step whatever the stage, shape (n,).
     touched
         Nodes that contact has met in this step, shape (n,).
@@ -34,8 +34,8 @@ class StepInProgress:
         How far nodes will move, about [m], shape (n, 3), or None where the step starts at rest.
     place
         Where forces are linearised next [m], shape (n, 3).
-    guess
-        What the first displacement may be [m], shape (n, 3), or None.
+    warm_start
+        Start of the first linear solve [m], shape (n, 3), or None.
     contacts
         Contacts of the last iteration, with the friction that held in it; None without contact.
     last
@@ -50,13 +50,13 @@ class StepInProgress:
     stage: Stage | None
     start: Float
     velocity: Float
-    blunt: Bool
+    first_order: Bool
     touched: Bool
     held_back: Bool
     inertia: Inertia
     ahead: Float | None
     place: Float
-    guess: Float | None
+    warm_start: Float | None
     outcome: StepOutcome
     contacts: Contacts | None = None
     last: float = np.inf
@@ -76,8 +76,8 @@ class StepInProgress:
         self.contacts = contacts
         if self.stage is not None:
             self.touched = contacts.touched(len(self.start))
-            self.blunt = self.blunt | self.touched
-            self.inertia = inertia_of(self.start, self.velocity, self.request.h, self.stage, self.blunt)
+            self.first_order = self.first_order | self.touched
+            self.inertia = inertia_of(self.start, self.velocity, self.request.h, self.stage, self.first_order)
 
     def finished(self) -> bool:
         """Whether another iteration is not needed, or of no use."""
@@ -89,7 +89,7 @@ class StepInProgress:
         outcome.converged &= request.newton == 1 or self.last < request.newton_tolerance
         outcome.moved = np.linalg.norm(x - self.start, axis=1)
         # What the guard has held back meets something: its velocity jumps.
-        late = inertia_of(self.start, self.velocity, request.h, self.stage, self.blunt | self.held_back)
+        late = inertia_of(self.start, self.velocity, request.h, self.stage, self.first_order | self.held_back)
         self.inertia = late
         return outcome
 

@@ -36,7 +36,7 @@ Some = TypeVar("Some")
 
 
 class ClothStepper:
-    """Makes steps on nodes with masses, under a list of forces and, perhaps, contact.
+    """Advances nodes with masses under a list of forces and, where there is any, contact.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class ClothStepper:
             self.v = np.zeros_like(self.x)
         # Without a past nodes that may touch something take a backward Euler step.
         free = self.memory is None and self.collisions is None
-        blunt = np.full(count, not free) if self.memory is None else self.memory.touched
+        first_order = np.full(count, not free) if self.memory is None else self.memory.touched
         ahead: Float | None = None
         if not request.at_rest:
             # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
@@ -111,11 +111,11 @@ class ClothStepper:
             ahead[:, 1] -= np.minimum(fall, np.linalg.norm(ahead, axis=1))
         start = self.x.copy()
         return StepInProgress(
-            request=request, stage=stage, start=start, velocity=self.v, blunt=blunt,
+            request=request, stage=stage, start=start, velocity=self.v, first_order=first_order,
             touched=np.zeros(count, bool), held_back=np.zeros(count, bool),
-            inertia=inertia_of(start, self.v, request.h, stage, blunt), ahead=ahead,
+            inertia=inertia_of(start, self.v, request.h, stage, first_order), ahead=ahead,
             place=self._foreseen(request, stage),
-            guess=None if request.at_rest or stage is not None else request.h * self.v,
+            warm_start=None if request.at_rest or stage is not None else request.h * self.v,
             outcome=StepOutcome(moved=np.zeros(count)),
         )  # fmt: skip
 
@@ -167,13 +167,13 @@ class ClothStepper:
         self.clock.add("assembly", now)
         return Iteration(
             step.request, place, hessian, gradient, node_diagonal, self.pinned,
-            None if place is self.x else place - self.x, step.guess,
+            None if place is self.x else place - self.x, step.warm_start,
         )  # fmt: skip
 
     def _solved(self, step: StepInProgress, iteration: Iteration) -> Float:
         """Return the displacement of the nodes [m], shape (n, 3), and book what it took."""
         result, contacts = self._solver.solve(iteration, step.contacts, self.options.slip, self.clock)
-        step.contacts, step.guess = contacts, None
+        step.contacts, step.warm_start = contacts, None
         outcome = step.outcome
         outcome.newton_iterations += 1
         outcome.cg_iterations += result.iterations

@@ -1,1 +1,1 @@
-"""A cloth mesh made to fit a sizing field: splits, flips, collapses, and data carried over."""
+"""Adaptation of a cloth mesh to a sizing field by splits, flips and collapses; transfer of its data."""

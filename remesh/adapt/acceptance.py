@@ -1,4 +1,4 @@
-"""Changes that move the surface are proposed, and whoever called may refuse them."""
+"""Proposed changes that move the surface, which the caller may refuse."""
 
 from typing import NamedTuple, Protocol
 

@@ -1,4 +1,4 @@
-"""Adapt a cloth mesh to a field of wanted edge lengths.
+"""Adaptation of a cloth mesh to a field of wanted edge lengths.
 
 Source of the method: Narain, Samii and O'Brien 2012, "Adaptive anisotropic remeshing for cloth simulation".
 """

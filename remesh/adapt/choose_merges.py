@@ -1,4 +1,4 @@
-"""Greedy choice of node merges that keep edges short, triangles well shaped and the surface a surface."""
+"""Greedy choice of node merges that keeps edges short, triangles well shaped and the surface manifold."""
 
 from numba import types
 

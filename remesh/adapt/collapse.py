@@ -1,4 +1,4 @@
-"""Remove nodes where the metric wants longer edges."""
+"""Removal of nodes where the metric wants longer edges."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ LONGEST_NEW = 0.9
 
 
 class CollapseRound(NamedTuple):
-    """What a round did.
+    """Outcome of one round.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def collapse_round(work: MeshInWork, gate: Gate, last: CollapseRound | None = No
 
 
 def collapsible(work: MeshInWork) -> int:
-    """How many merges are possible at once."""
+    """Count the merges that are possible at once."""
     return int(_Choice(work).among(possible_merges(work, LONGEST_NEW))[0].sum())
 
 

@@ -1,4 +1,4 @@
-"""Flip edges that are not Delaunay in the metric, within flat parts of one panel."""
+"""Flips of edges that are not Delaunay in the metric, within flat parts of one panel."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from toile.remesh.sizing.edge_size import LONGEST
 
 FLIP_MARGIN = 0.05
 """Sine of the angle by which opposite angles must exceed 180 degrees together: near a tie nothing flips, or
-the mesh of a still cloth would go on changing with the last digits of the metric."""
+the mesh of a still cloth would keep changing with the last digits of the metric."""
 
 WELL_SHAPED = 0.2
 """Aspect in the metric below which no change may make a triangle worse."""

@@ -1,4 +1,4 @@
-"""One round of flips: which edges flip at once, and what flipping them does to faces and edges."""
+"""One round of flips: the edges that flip at once, and the faces and edges that result."""
 
 from numba import types
 

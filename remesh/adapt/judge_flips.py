@@ -1,4 +1,4 @@
-"""Which edges should flip: not Delaunay in the metric, and better so."""
+"""Selection of edges to flip: those not Delaunay in the metric whose flip improves the mesh."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What merges of nodes do to the faces around them."""
+"""Faces around merged nodes, before and after the merge."""
 
 import numpy as np
 from numba import types

@@ -1,4 +1,4 @@
-"""A cloth mesh while it is being changed.
+"""A cloth mesh during a remeshing pass.
 
 Nodes and material vertices are only added or marked as removed, so that their numbers stay valid during a
 pass; faces keep their row while they live. `finish` closes the gaps.

@@ -1,4 +1,4 @@
-"""Keep linear and angular momentum when velocities move to another mesh."""
+"""Conservation of linear and angular momentum when velocities move to another mesh."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Which nodes can be removed without changing the rest shape, and along which edges.
+"""Nodes that can be removed without changing the rest shape, and the edges along which they can.
 
 A node inside a flat part may be merged into any neighbour. On a line (border, seam, or crease of the rest
 shape) it may be merged into its two neighbours on the line, if the line is straight there on every side.

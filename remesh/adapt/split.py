@@ -1,4 +1,4 @@
-"""Split edges that are longer than the metric wants."""
+"""Splits of edges that are longer than the metric wants."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ BESIDE = 0.75
 
 
 def long_edges(work: MeshInWork) -> int:
-    """How many edges are too long and can be split."""
+    """Count the edges that are too long and can be split."""
     size = edge_sizes(work.faces, work.rest, work.tensors, work.edges)
     return int(np.count_nonzero((size > LONGEST) & ~_must_stay(work.edges, size)))
 

@@ -1,4 +1,4 @@
-"""How data of the old mesh follow onto the new one."""
+"""Transfer of data from the old mesh to the new one."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -30,7 +30,7 @@ class Births(NamedTuple):
 
 @dataclass(frozen=True)
 class TransferMap:
-    """Where everything in the new mesh comes from.
+    """The origin of everything in the new mesh.
 
     Attributes
     ----------

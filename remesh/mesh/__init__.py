@@ -1,1 +1,1 @@
-"""The cloth mesh as remeshing sees it: nodes, material vertices, edges, faces around nodes."""
+"""The cloth mesh of remeshing: nodes, material vertices, edges, faces around nodes."""

@@ -11,7 +11,7 @@ from toile.remesh.mesh.mesh_edges import MeshEdges
 
 
 class NodeFaces(NamedTuple):
-    """Who is around whom.
+    """Adjacency of nodes and faces.
 
     Attributes
     ----------

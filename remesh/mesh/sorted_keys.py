@@ -1,4 +1,4 @@
-"""Numbers of node pairs, in kernels, and looking them up."""
+"""Keys of node pairs, and their look-up, in kernels."""
 
 import numpy as np
 

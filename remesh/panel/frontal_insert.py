@@ -1,4 +1,4 @@
-"""Points inside a flat triangulation, from the border inwards, until every triangle is small enough.
+"""Insertion of points into a flat triangulation, from the border inwards, until triangles are small enough.
 
 Frontal Delaunay refinement (Rebay 1993; off-centres after Üngör 2004): a triangle whose circumradius is too
 large gets a new point above its shortest edge, where the two new sides have the wanted length, or at its

@@ -1,4 +1,4 @@
-"""Triangulation of one flat panel: its border points are kept as they are, the inside is filled evenly."""
+"""Triangulation of one flat panel: border points are kept, the inside is filled evenly."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from toile.remesh.panel.split_ears import split_ears
 
 @dataclass(frozen=True, kw_only=True)
 class PanelMeshOptions:
-    """How a panel is filled.
+    """Options of the triangulation of a panel.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Corners of a flat triangulation that one triangle fills alone.
+"""Removal of ears: corners of a flat triangulation that are filled by one triangle.
 
 Such a triangle ("ear") has two border edges and three border points: nothing in it can move once its border
 is sewn. Flipping its inner edge gives the corner two triangles that share an inner point.

@@ -1,1 +1,1 @@
-"""How long edges should be: metrics from curvature, motion and obstacles, and their algebra."""
+"""Sizing fields: metrics from curvature, motion and obstacles, and their algebra."""

@@ -1,4 +1,4 @@
-"""Lengths and shapes of edges and triangles measured in the metric: 1 is as long as wanted."""
+"""Lengths and shapes of edges and triangles measured in the metric, where 1 is the wanted length."""
 
 import numpy as np
 from numba import types

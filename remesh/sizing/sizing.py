@@ -1,4 +1,4 @@
-"""How long edges should be: one metric per face from curvature, motion, compression and obstacles.
+"""Sizing: one metric per face from curvature, motion, compression and obstacles.
 
 A metric M (2x2, in the face's warp and weft directions, [1/m^2]) wants edges of length 1 / sqrt(e . M e) in
 direction e. Source: Narain, Samii and O'Brien 2012, section 4; there the velocity gradient includes rotation,
@@ -18,7 +18,7 @@ from toile.remesh.sizing.row_products import row_cross, row_dot
 
 @dataclass(frozen=True, kw_only=True)
 class SizingOptions:
-    """How fine a mesh should be.
+    """Options of a sizing field.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Curvature at the scale of the mesh that it will ask for.
+"""Curvature, averaged at the scale of the mesh that it will ask for.
 
 Second derivatives of a mesh are as sharp as the mesh: noise of the nodes grows with the inverse square of the
 edge length, a crease gets sharper with every split. Averaged with their sign over the surroundings of a face

@@ -1,4 +1,4 @@
-"""From metrics of faces to metrics of material vertices."""
+"""Metrics of material vertices from metrics of faces."""
 
 import numpy as np
 

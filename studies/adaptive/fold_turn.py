@@ -1,4 +1,4 @@
-"""How strongly a draped surface is folded, wherever its folds lie."""
+"""The RMS curvature of a draped surface, a measure of how strongly it is folded that ignores where."""
 
 import numpy as np
 

@@ -27,7 +27,7 @@ FINEST = {"sphere": 0.0125, "flag": 0.02, "hang": 0.0125, "shirt": 0.010}
 LADDER, SEWN_LADDER = (1.0, 2.0, 4.0, 8.0), (1.0, 2.0, 3.0)
 """Edges of the uniform meshes, in finest edges, of films and of the shirt, not sewn in coarser ones."""
 CHAOTIC = {"sphere", "flag"}
-"""Scenes whose folds fall as chance will: their drape coefficient is compared."""
+"""Scenes whose folds are chaotic: their drape coefficient is compared."""
 START = 4.0
 """Edge length of the mesh that an adaptive film starts from, in finest edges."""
 LEAST_ERROR = 1e-12

@@ -1,4 +1,4 @@
-"""How far apart two draped surfaces are."""
+"""Distance between two draped surfaces."""
 
 import numpy as np
 from scipy.spatial import cKDTree

@@ -1,4 +1,4 @@
-"""Motions without contact that studies measure: how exactly steps are solved, how long they are."""
+"""Motions without contact that studies measure, with control over solver accuracy and step sizes."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -9,8 +9,8 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.film.advance import StepCounts, Way, advance
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.film.step_sizes import StepLimits, StepSizes
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
-from toile.engine.forces.wind import AirFlow
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock, StepOptions
 from toile.engine.step.step import ClothStepper
@@ -26,7 +26,7 @@ LONGEST, SHORTEST, FIRST = 1.0 / 24.0, 1e-5, 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Solving:
-    """How exactly stages are solved.
+    """Tolerances with which stages are solved.
 
     Attributes
     ----------

@@ -10,17 +10,15 @@ import numpy as np
 import trimesh
 
 from toile.dressing.garment.fabrics import fabric
-from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.air import plate_resistance
-from toile.dressing.wear.assemble_cloth import assemble_cloth
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.flat_cloth import flat_cloth
 from toile.engine.film.plan import FilmPlan
-from toile.engine.forces.contact import ContactLaw
-from toile.engine.forces.wind import AirFlow
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Bool, Float, Int
-from toile.remesh.panel.panel_mesh import triangulate_panel
+from toile.remesh.panel.rectangle import rectangle
 
 GRAVITY = 9.81
 SPHERE_RADIUS = 0.25
@@ -91,15 +89,7 @@ SCENES = {"sphere": sphere, "flag": flag, "hang": hang}
 
 def film_plan(air: AirFlow | None = None) -> FilmPlan:
     """Return the plan of a film of cloth with self-contact."""
-    stiffness = 2e6
-    return FilmPlan(
-        step=StepOptions(
-            gravity=GRAVITY, radius_body=0.002, radius_self=0.001, growth_radius=0.002, slip=1e-3,
-            law_body=ContactLaw(stiffness=stiffness, edge_share=0.5),
-            law_self=ContactLaw(stiffness=stiffness, edge_share=1.0),
-            self_contact=True, air=air,
-        )
-    )  # fmt: skip
+    return FilmPlan(step=StepOptions(air=air))
 
 
 def surface_of(mesh: trimesh.Trimesh) -> tuple[Float, Int]:
@@ -107,29 +97,6 @@ def surface_of(mesh: trimesh.Trimesh) -> tuple[Float, Int]:
     return np.ascontiguousarray(mesh.vertices, np.float64), np.ascontiguousarray(mesh.faces, np.int32)
 
 
-def rectangle(width: float, height: float, edge: float) -> tuple[Float, Int]:
-    """Mesh a rectangle: points [m], shape (n, 2), and faces, shape (t, 3)."""
-    across, up = round(width / edge), round(height / edge)
-    x, y = np.linspace(0.0, width, across + 1), np.linspace(0.0, height, up + 1)
-    border = np.concatenate(
-        (
-            np.column_stack((x[:-1], np.zeros(across))),
-            np.column_stack((np.full(up, width), y[:-1])),
-            np.column_stack((x[:0:-1], np.full(across, height))),
-            np.column_stack((np.zeros(up), y[:0:-1])),
-        )
-    )
-    mesh = triangulate_panel(border, edge_length=edge)
-    return mesh.vertices, mesh.faces
-
-
 def sheet(flat: Float, faces: Int, positions: Float, pinned: Bool, material: Fabric | None = None) -> Cloth:
     """Make a sheet, of cotton poplin unless told, warp along the first coordinate of `flat` [m], (n, 2)."""
-    mesh = GarmentMesh(
-        name="sheet", positions=positions, uv=flat, faces=faces, panel=np.zeros(len(faces), np.int32),
-        panel_names=("sheet",), rest_corners=np.ascontiguousarray(flat[faces]),
-        stitches=np.empty((0, 2), np.int32), seam=np.empty(0, np.int32), seam_names=(), minimum_angle=0.0,
-    )  # fmt: skip
-    return assemble_cloth(
-        [(mesh, material or fabric("cotton-poplin"))], [np.flatnonzero(pinned).astype(np.int32)]
-    )
+    return flat_cloth(flat, faces, positions, material or fabric("cotton-poplin"), pinned)

@@ -1,4 +1,4 @@
-"""The built-in mannequin walks off from where it stands: legs and arms swing, the trunk moves on."""
+"""The built-in mannequin walking from a standing start: legs and arms swing, the trunk moves on."""
 
 import numpy as np
 

@@ -1,1 +1,1 @@
-"""The speed-error report: what error costs how much time, scene by scene, stored, drawn and compared."""
+"""The speed-error report: error against CPU time, scene by scene; stored, drawn and compared."""

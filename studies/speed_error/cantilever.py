@@ -1,4 +1,4 @@
-"""`cantilever`: a strip clamped level sags under its weight; how far is known exactly."""
+"""`cantilever`: a strip clamped level sags under its weight; the sag is known exactly."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Two stored reports side by side: what became slower, less exact or crosses, by ratio."""
+"""Comparison of two stored reports: regressions in time, error and crossings, by ratio."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Films with contact, varied in mesh, time step, solver and contact: what `hang` and `sphere` share."""
+"""Films with contact, varied in mesh, time step, solver and contact; shared by `hang` and `sphere`."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

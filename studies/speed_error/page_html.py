@@ -1,4 +1,4 @@
-"""The report as one HTML file that needs no other: its pictures are SVG, whose points say what they are."""
+"""The report as one self-contained HTML file; its pictures are SVG with points that name themselves."""
 
 from html import escape
 
@@ -62,7 +62,7 @@ def _section(chart: Chart) -> str:
         f"<p>{escape(said_error(chart))}</p>"
         f"{chart_svg(chart)}"
         + (f"<ul>{bars}</ul>" if bars else "")
-        + f"<p>Front: {escape(front_text(chart))}.</p>"
+        + f"<p>Pareto front: {escape(front_text(chart))}.</p>"
         f"<details><summary>All points</summary><table><thead><tr>{head}</tr></thead>"
         f"<tbody>{rows}</tbody></table></details></section>"
     )

@@ -1,4 +1,4 @@
-"""The report as Markdown: per chart its picture, its bars, the front and all points."""
+"""The report as Markdown: per chart its picture, its bars, the Pareto front and all points."""
 
 import math
 
@@ -9,9 +9,9 @@ from toile.studies.speed_error.stored import Report
 TITLE = "Speed and error"
 INTRODUCTION = """\
 Error against CPU time on reference scenes, one thing varied at a time. Times are medians of repeated runs,
-spreads longest less shortest; what takes long runs once. The front holds the points that no other beats in
-both; results with crossings are not on it, and drawn hollow. Below its floor an error says nothing: the
-floor is how far the reference is from one about half as fine.
+spreads longest less shortest; long runs are made once. The Pareto front holds the points that no other beats
+in both; results with crossings are not on it, and drawn hollow. Errors below the floor mean nothing: the
+floor is the distance of the reference from one about half as fine.
 """
 BLENDER = """\
 Blender's cloth as a peer on `hang` and `sphere`, on the same mesh with the same fabric:
@@ -34,7 +34,7 @@ def markdown_page(report: Report, command: str) -> str:
         ]
         if chart.bars:
             parts.append("\n".join(f"- {bar_text(bar)}" for bar in chart.bars))
-        parts.append(f"Front: {front_text(chart)}.")
+        parts.append(f"Pareto front: {front_text(chart)}.")
         parts.append(_table(chart))
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
@@ -59,7 +59,7 @@ def bar_text(bar: Bar) -> str:
 
 
 def front_text(chart: Chart) -> str:
-    """Return the points of the front, the quickest first."""
+    """Return the points of the Pareto front, the quickest first."""
     front = pareto_front(chart.points)
     return (
         "; ".join(

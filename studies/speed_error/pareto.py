@@ -1,4 +1,4 @@
-"""Which points nothing beats: the Pareto front of error and CPU time."""
+"""The Pareto front of error and CPU time."""
 
 import math
 from collections.abc import Sequence

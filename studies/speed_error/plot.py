@@ -1,4 +1,4 @@
-"""A chart as SVG: error against CPU time on logarithmic axes, a curve a colour, the front of all beneath."""
+"""A chart as SVG: error against CPU time on logarithmic axes, a colour per curve, the Pareto front below."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -111,7 +111,7 @@ def _floor(floor: float, y: Axis) -> str:
 
 
 def _front(front: Sequence[Point], x: Axis, y: Axis) -> str:
-    """Draw the front as steps: for this time, this error can be had."""
+    """Draw the Pareto front as steps: the error that can be had for each time."""
     if not front:
         return ""
     path = f"M{x.at(max(front[0].cpu, 1e-4)):.1f} {y.at(front[0].error):.1f}"

@@ -1,4 +1,4 @@
-"""What the report is made of: points on curves, curves in charts, bars that a scene must reach."""
+"""Parts of the report: points on curves, curves in charts, bars that a scene must meet."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -85,7 +85,7 @@ class Chart:
 
 
 class Effort(NamedTuple):
-    """How much a study may cost: minutes, how often what is timed is repeated at most, who hears of it."""
+    """Effort of a study: whether it is quick, repeats of timed runs, and who is told."""
 
     quick: bool
     repeats: int

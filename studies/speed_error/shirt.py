@@ -1,8 +1,8 @@
-"""`shirt`: the built-in T-shirt on the mannequin, over meshes, presets and how nearly it comes to rest.
+"""`shirt`: the built-in T-shirt on the mannequin, over meshes, presets and tolerances.
 
-A shirt has many places of rest, and which one its folds find is a matter of chance: two meshes of nearly the
-same edges end as far apart as coarse and fine ones. So there are two charts: distance from the finest mesh,
-with what chance alone does as its floor, and distance from the place of rest of the same mesh.
+A shirt has many equilibria, and which one its folds reach is chaotic: two meshes of nearly the same edges end
+as far apart as coarse and fine ones. So there are two charts: distance from the finest mesh, with the
+distance between two like meshes as its floor, and distance from the equilibrium of the same mesh.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,7 +36,7 @@ ANGLES = (0.8, 0.3)
 """Of adaptive meshes of the finest edges of `standard` [rad]."""
 TOLERANCES = (2e-3, 1e-3, 4e-4, 2e-4, 1e-4)
 NUDGE = 1.02
-"""Factor on the edges of a mesh that differs from the reference by chance only."""
+"""Factor on the edges of a mesh that should end where the reference does, but for chaos."""
 
 
 class Way(NamedTuple):

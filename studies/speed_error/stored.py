@@ -1,4 +1,4 @@
-"""The report as a file: written as JSON without dates, read back and checked."""
+"""The report as a file: JSON without dates, checked when it is read."""
 
 import json
 import math

@@ -1,1 +1,1 @@
-"""Hard cases: what makes cloth simulators fail."""
+"""Hard cases that break cloth simulators."""

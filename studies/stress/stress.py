@@ -1,4 +1,4 @@
-"""Hard cases: small scenes that break cloth programs, each with an expected end and a time limit.
+"""The suite of hard cases: small scenes, each with an expected end and a time limit.
 
 A case is valid if every frame is finite and, by the independent audit, free of crossings, and if the film
 came to its end within the limit; one that cannot be valid must end in a clear message instead.

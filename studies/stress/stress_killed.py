@@ -1,4 +1,4 @@
-"""A run that is killed at random moments and resumed ends in the files of one that was left alone."""
+"""A run killed at random moments and resumed, which must give the files of an undisturbed run."""
 
 import random
 import subprocess

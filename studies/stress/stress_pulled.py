@@ -9,7 +9,8 @@ from scipy.interpolate import PchipInterpolator
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.studies.scenes.scenes import rectangle, sheet, surface_of
+from toile.remesh.panel.rectangle import rectangle
+from toile.studies.scenes.scenes import sheet, surface_of
 from toile.studies.stress.stress_scene import FPS, StressScene, pushed_plan
 
 TURNS = 4.0
@@ -60,7 +61,7 @@ def knot() -> StressScene:
     t = np.linspace(-2.15, 2.15, 2001)
     plan = 0.03 * np.column_stack((t**3 - 3.0 * t, t**4 - 4.0 * t**2))
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(plan, axis=0), axis=1))])
-    # At its three crossings it passes over and under itself by turns.
+    # At its three crossings it passes over and under itself alternately.
     passes = along[_crossings(plan)]
     levels = 0.75 * width * (-1.0) ** np.arange(len(passes))
     knots = np.concatenate([[-0.1], passes, [along[-1] + 0.1]])

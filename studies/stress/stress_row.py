@@ -1,4 +1,4 @@
-"""How a hard case ended, and the table of all."""
+"""The outcome of a hard case, and the table of all."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, kw_only=True)
 class StressRow:
-    """How one case ended.
+    """Outcome of one case.
 
     Attributes
     ----------

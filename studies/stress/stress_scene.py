@@ -1,4 +1,4 @@
-"""What a scene of the hard-case suite is."""
+"""The description of a hard case."""
 
 from dataclasses import dataclass, replace
 

@@ -11,7 +11,8 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
-from toile.studies.scenes.scenes import film_plan, rectangle, sheet, surface_of
+from toile.remesh.panel.rectangle import rectangle
+from toile.studies.scenes.scenes import film_plan, sheet, surface_of
 from toile.studies.stress.stress_pulled import funnel, knot, wring
 from toile.studies.stress.stress_scene import FPS, StressScene, pushed_plan
 from toile.studies.stress.stress_torn import overstretched_seams, spinning_skirt

@@ -9,7 +9,8 @@ from scipy.spatial import cKDTree
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.remesh.panel.panel_mesh import triangulate_panel
-from toile.studies.scenes.scenes import rectangle, sheet, surface_of
+from toile.remesh.panel.rectangle import rectangle
+from toile.studies.scenes.scenes import sheet, surface_of
 from toile.studies.stress.stress_scene import StressScene, pushed_plan
 
 TURNS_PER_SECOND = 3.0

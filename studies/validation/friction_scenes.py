@@ -17,8 +17,9 @@ from toile.engine.film.plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, F
 from toile.engine.film.simulate import Simulation
 from toile.engine.forces.membrane import Membrane
 from toile.geometry.arrays import Float, Int
+from toile.remesh.panel.rectangle import rectangle
 from toile.studies.scenes.flat_meshes import right_grid
-from toile.studies.scenes.scenes import GRAVITY, film_plan, rectangle, sheet, surface_of
+from toile.studies.scenes.scenes import GRAVITY, film_plan, sheet, surface_of
 
 CONVERGED = {"newton": 8, "newton_tolerance": 1e-7, "cg_tolerance": 1e-4}
 PUSHED = {"newton": PUSHED_NEWTON, "newton_tolerance": PUSHED_TOLERANCE}

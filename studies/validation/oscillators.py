@@ -1,4 +1,4 @@
-"""Two particles and a spring: systems with a known answer, for the orders and the damping of integrators."""
+"""Two particles and a spring, with known solutions: for the order and damping of integrators."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Validation: the engine beside theory and measured cloth, each comparison with a bar."""
+"""Validation: comparisons of the engine with theory and measured cloth, each with a bar."""
 
 from collections.abc import Callable, Iterable, Iterator
 

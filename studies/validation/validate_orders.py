@@ -1,4 +1,4 @@
-"""Integrators: the order they promise, energy that never grows, momentum that is kept in free flight."""
+"""Integrators: order of convergence, energy that never grows, momentum conserved in free flight."""
 
 from collections.abc import Iterator
 from dataclasses import replace

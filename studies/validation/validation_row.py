@@ -1,4 +1,4 @@
-"""One comparison of the engine with theory or with measured cloth, and the table of all."""
+"""One comparison with theory or measured cloth, and the table of all."""
 
 import math
 from dataclasses import asdict, dataclass

@@ -45,7 +45,7 @@ def test_force_fields_that_do_nothing_are_named(found: dict[str, Any]) -> None:
         "Warning: wind 'Wind.001' blows the same everywhere, without its falloff",
     ]
     assert len(found["notes at rest"]) == 3 and "(Simulate)" in found["notes at rest"][1]
-    assert "blows at 200 m/s, toile knows up to 60" in found["storm"]
+    assert "blows at 200 m/s, toile takes up to 60" in found["storm"]
 
 
 def test_a_ring_shut_up_in_the_body_is_told_and_selected(found: dict[str, Any]) -> None:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple
 
 import fcl
 import numpy as np
@@ -12,7 +11,7 @@ import trimesh
 from tests.collide.surfaces import crumpled, sheet, stacked, vertices
 from toile.collide import bvh
 from toile.collide.audit import Auditor, bvh_model
-from toile.collide.patch_clearance import clear_proposals
+from toile.collide.patch_clearance import PatchChanges, clear_proposals
 from toile.collide.search import AvatarSurface
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
@@ -21,28 +20,20 @@ Change = tuple[list[list[int]], list[int]]
 """New triangles and removed faces of one proposal."""
 
 
-class Proposals(NamedTuple):
-    triangles: Int
-    owner: Int
-    removed: Int
-    removed_owner: Int
-    total: int
+Propose = Callable[[np.random.Generator, Int, int], PatchChanges]
 
 
-Propose = Callable[[np.random.Generator, Int, int], Proposals]
-
-
-def proposals(changes: list[Change]) -> Proposals:
+def proposals(changes: list[Change]) -> PatchChanges:
     owner = [k for k, (new, _) in enumerate(changes) for _ in new]
     removed_owner = [k for k, (_, old) in enumerate(changes) for _ in old]
     triangles = np.array([t for new, _ in changes for t in new], np.int32).reshape(-1, 3)
     removed = np.array([t for _, old in changes for t in old], np.int32)
-    return Proposals(
+    return PatchChanges(
         triangles, np.array(owner, np.int32), removed, np.array(removed_owner, np.int32), len(changes)
     )
 
 
-def flips(generator: np.random.Generator, faces: Int, limit: int) -> Proposals:
+def flips(generator: np.random.Generator, faces: Int, limit: int) -> PatchChanges:
     """Flips of random inner edges; no face takes part twice."""
     topology = triangle_topology(faces)
     used: set[int] = set()
@@ -59,7 +50,7 @@ def flips(generator: np.random.Generator, faces: Int, limit: int) -> Proposals:
     return proposals(changes)
 
 
-def collapses(generator: np.random.Generator, faces: Int, limit: int) -> Proposals:
+def collapses(generator: np.random.Generator, faces: Int, limit: int) -> PatchChanges:
     """Random inner vertices moved to a neighbour; no face takes part twice."""
     outer = set(triangle_topology(faces).border_edges.ravel().tolist())
     used: set[int] = set()
@@ -77,13 +68,13 @@ def collapses(generator: np.random.Generator, faces: Int, limit: int) -> Proposa
 
 
 def verdicts(
-    x: Float, faces: Int, change: Proposals, *, weld: Int | None = None, avatar: AvatarSurface | None = None,
-    gap: float = 1e-9,
+    x: Float, faces: Int, change: PatchChanges, *, weld: Int | None = None,
+    avatar: AvatarSurface | None = None, gap: float = 1e-9,
 ) -> Bool:  # fmt: skip
-    return clear_proposals(x, faces, vertices(len(x)) if weld is None else weld, *change, avatar, gap, gap)
+    return clear_proposals(x, faces, vertices(len(x)) if weld is None else weld, change, avatar, gap, gap)
 
 
-def carried_out(faces: Int, change: Proposals, chosen: Bool) -> Int:
+def carried_out(faces: Int, change: PatchChanges, chosen: Bool) -> Int:
     kept = np.delete(faces, change.removed[chosen[change.removed_owner]], axis=0)
     return np.ascontiguousarray(np.concatenate([kept, change.triangles[chosen[change.owner]]]))
 
@@ -98,7 +89,7 @@ def model(x: Float, faces: Int) -> fcl.CollisionObject:
     return fcl.CollisionObject(bvh_model(x, np.ascontiguousarray(faces)), fcl.Transform())
 
 
-def expected(x: Float, faces: Int, change: Proposals, gap: float) -> Bool:
+def expected(x: Float, faces: Int, change: PatchChanges, gap: float) -> Bool:
     """The same verdicts by FCL: every proposal carried out beside those that were found clear before it."""
     clear = np.zeros(change.total, bool)
     for k in range(change.total):
@@ -182,7 +173,7 @@ def test_clear_changes_around_a_body_do_not_cut_it(seed: int) -> None:
     avatar.move_to(1.02 * points)
     np.testing.assert_array_equal(verdicts(1.02 * x, faces, change, avatar=avatar), found)
     # The gap to the body is its own.
-    near = clear_proposals(1.02 * x, faces, vertices(len(x)), *change, avatar, 1e-9, 0.0005)
+    near = clear_proposals(1.02 * x, faces, vertices(len(x)), change, avatar, 1e-9, 0.0005)
     assert near.sum() < found.sum()
 
 

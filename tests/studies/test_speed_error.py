@@ -320,9 +320,9 @@ def test_the_study_of_adaptive_meshes_keeps_its_options_and_exit_code(
     [
         (["swimg"], "did you mean 'swing'"),
         (["swing", "--repeats", "0"], "--repeats must be at least 1"),
-        (["swing", "--seconds", "1"], "--seconds is not for toile bench swing"),
-        (["remesh", "--quick"], "--quick is not for toile bench remesh"),
-        (["remesh", "hang"], "remesh stands alone"),
+        (["swing", "--seconds", "1"], "--seconds does not apply to toile bench swing"),
+        (["remesh", "--quick"], "--quick does not apply to toile bench remesh"),
+        (["remesh", "hang"], "remesh takes no names"),
         (["remesh", "--scene", "hangg"], "did you mean 'hang'"),
         (["compare", "one.json"], "compare takes two"),
         (["compare", "one.json", "two.json"], "one.json: there is no such report"),

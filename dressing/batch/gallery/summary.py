@@ -1,4 +1,4 @@
-"""The summary page of a batch: how many finished, why others failed, distributions, the slowest jobs."""
+"""The summary page of a batch: finish rate, failures, distributions, slowest jobs."""
 
 import heapq
 from array import array
@@ -90,7 +90,7 @@ class Summary:
             (rate, f"finished: {done} of {ended}"),
             (f"{converged}", f"converged; {done - converged} at the frame limit"),
             (f"{self._crossing}", "finished with a crossing in an output frame"),
-            (f"{count - ended}", "still to do"),
+            (f"{count - ended}", "open"),
             (clock(self._cpu), "CPU time in all"),
         ]
         return "".join(

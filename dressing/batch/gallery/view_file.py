@@ -1,4 +1,4 @@
-"""What the 3-D view of a result needs, as scripts: the garments of a job, and each body once."""
+"""Data of the 3-D view as scripts: the garments of a job, and each body once."""
 
 import base64
 import hashlib

@@ -25,7 +25,7 @@ def write_gallery(folder: Path, progress: Callable[[int], None] | None = None) -
     """Write the pages of a batch into its folder and return the first one.
 
     `progress` is called with the number of jobs written so far. What is there already and still fits is left
-    as it is, so that a batch that goes on can be looked at again and again. Raises InputError if the folder
+    as it is, so that a running batch can be looked at again and again. Raises InputError if the folder
     holds no batch.
     """
     table = rows(folder)

@@ -1,202 +1,201 @@
-"""A warm process that carries out every call in a process of its own, by forking itself.
+"""A warm process that runs every call in a fork of itself.
 
-It has loaded all kernels and has one thread, so a fork is safe. It starts calls, watches their time, and
-reports how they ended. One process more than is needed is always forked: the next call need not wait for it.
-Forked processes end with this one, and it ends with the process that started it, whose pipe is closed then.
+It has loaded all kernels and has one thread, so a fork is safe. It starts calls as they come, kills those
+that run out of time, and reports how they ended. It ends with the process that started it, and its calls
+end with it.
 """
 
+import ctypes
+import faulthandler
 import gc
 import os
-import selectors
+import pickle
 import signal
 import sys
+import threading
 import time
-from collections import deque
+import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import partial
 from importlib import import_module
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from typing import NoReturn
 
-from toile.dressing.batch.processes.call_process import CallProcess
-from toile.dressing.batch.processes.huge_pages import collapse_memory
-from toile.dressing.batch.processes.isolated_call import (
-    Call,
-    Ended,
-    FrameReader,
-    content_of,
-    end_of_message,
-    framed,
-    write_all,
-)
+from toile.dressing.batch.processes.isolated_call import Ended, Limits
 
 MOST_PRINTED = 1 << 20
 """How much is kept of what a call prints [bytes]."""
+PIPE = 1 << 20
+"""How much is read of it at once [bytes]; more than a pipe holds."""
+PR_SET_PDEATHSIG = 1
+"""Option of Linux's prctl: the signal that a process gets at the end of its parent."""
+LOOKS = 1.0
+"""Where there is none, how often a process looks whether its parent is still there [s]."""
+
+
+class CallProcess:
+    """A process that carries out one call, seen from the server.
+
+    Attributes
+    ----------
+    number
+        The call's.
+    ends
+        Where something may come: a connection for what the function returns, pickled, and a descriptor for
+        what the process prints.
+    over
+        Whether the process has answered, or has ended.
+    deadline
+        When it must have ended, by the monotonic clock [s]; None if it need not.
+    """
+
+    def __init__(self, number: int, payload: bytes, limits: Limits, server: Sequence[Connection]) -> None:
+        """Fork the process for a pickled call; it closes the connections of the server."""
+        self.number, self._started = number, time.monotonic()
+        self.deadline = None if limits.seconds is None else self._started + limits.seconds
+        self.over = self._late = False
+        self._value: bytes | None = None
+        self._text = bytearray()
+        self._answer, answer = Pipe(duplex=False)
+        self._printed, printed = os.pipe()
+        self.ends: set[Connection | int] = {self._answer, self._printed}
+        parent = os.getpid()
+        self._pid = os.fork()
+        if not self._pid:
+            try:
+                _end_with(parent)
+                for connection in (*server, self._answer):
+                    connection.close()
+                os.dup2(printed, 1)
+                os.dup2(printed, 2)
+                os.close(printed)
+                _carry_out(payload, limits, answer)
+            finally:
+                os._exit(1)
+        answer.close()
+        os.close(printed)
+        os.set_blocking(self._printed, False)
+
+    def take(self, end: object) -> None:
+        """Take what has come at one of the ends."""
+        if end == self._printed:
+            self._take_print()
+            return
+        self.over = True
+        with suppress(EOFError, OSError):
+            self._value = self._answer.recv_bytes()
+
+    def _take_print(self) -> None:
+        """Take what was printed by now, of which the end is kept."""
+        with suppress(BlockingIOError):
+            content = os.read(self._printed, PIPE)
+            self._text += content
+            del self._text[:-MOST_PRINTED]
+            if not content:
+                self.ends.discard(self._printed)
+
+    def kill_if_late(self, now: float) -> None:
+        """Kill it if it has run out of time."""
+        if self.deadline is not None and now >= self.deadline and not self.over:
+            self.deadline, self._late = None, True
+            os.kill(self._pid, signal.SIGKILL)
+
+    def end(self, *, kill: bool = False) -> Ended:
+        """Wait until it has ended, and return how."""
+        if kill:
+            os.kill(self._pid, signal.SIGKILL)
+        _, status, usage = os.wait4(self._pid, 0)
+        self._take_print()
+        self._answer.close()
+        os.close(self._printed)
+        returned = self._value is not None and status == 0
+        return Ended(
+            how="timeout" if self._late else "returned" if returned else "died",
+            value=self._value if returned else None,
+            exit_status=os.waitstatus_to_exitcode(status),
+            wall_seconds=time.monotonic() - self._started,
+            cpu_seconds=usage.ru_utime + usage.ru_stime,
+            peak_memory=usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024),
+            printed=bytes(self._text),
+        )
+
+
+def _end_with(parent: int) -> None:
+    """Have this process killed when its parent ends for whatever reason: on Linux by the kernel."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            os._exit(1)
+    else:
+        threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    """End this process once its parent is another one."""
+    while os.getppid() == parent:
+        time.sleep(LOOKS)
+    os._exit(1)
+
+
+def _carry_out(payload: bytes, limits: Limits, answer: Connection) -> NoReturn:
+    """Carry out a call within its limits, send what it returned, and end this process."""
+    if limits.memory is not None:
+        import resource
+
+        # Of the memory that may be written, which is what can run out, not of the address space.
+        resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, limits.memory))
+    faulthandler.enable()
+    try:
+        function, argument = pickle.loads(payload)
+        value = pickle.dumps(function(argument), protocol=5)
+    except BaseException:
+        traceback.print_exc()
+        raise
+    finally:
+        sys.stdout.flush()
+    answer.send_bytes(value)
+    os._exit(0)
+
+
+def serve(requests: Connection, answers: Connection) -> None:
+    """Carry out calls as they come until nobody asks or listens any more; what still runs then is killed."""
+    running: list[CallProcess] = []
+    try:
+        while True:
+            ends: dict[object, CallProcess] = {end: run for run in running for end in run.ends}
+            deadlines = [run.deadline for run in running if run.deadline is not None]
+            left = max(min(deadlines) - time.monotonic(), 0.0) if deadlines else None
+            for end in wait([requests, *(end for run in running for end in run.ends)], left):
+                if end is requests:
+                    number, payload, limits = requests.recv()
+                    running.append(CallProcess(number, payload, limits, (requests, answers)))
+                else:
+                    ends[end].take(end)
+            now = time.monotonic()
+            for run in list(running):
+                run.kill_if_late(now)
+                if run.over:
+                    running.remove(run)
+                    answers.send((run.number, run.end()))
+    except (EOFError, BrokenPipeError):
+        pass
+    finally:
+        for run in running:
+            run.end(kill=True)
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Serve calls, so many at a time, on two inherited descriptors, after calling a function.
-
-    The arguments are `workers requests answers module:name`.
-    """
-    workers, requests, answers = (int(number) for number in arguments[:3])
+    """Serve calls on two inherited descriptors after calling a function: `requests answers module:name`."""
     # Ctrl-C is for the process that started this one, which says what becomes of the calls.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    module, _, name = arguments[3].partition(":")
+    requests = Connection(int(arguments[0]), writable=False)
+    answers = Connection(int(arguments[1]), readable=False)
+    module, _, name = arguments[2].partition(":")
     getattr(import_module(module), name)()
     gc.collect()
     gc.freeze()
-    collapse_memory()
-    _Server(workers, requests, answers).serve()
-
-
-@dataclass
-class _Running:
-    """A call under way: its process, what came back so far, and when it started and must end [s].
-
-    `content` is what the function returned, `printed` the end of what was printed.
-    """
-
-    number: int
-    process: CallProcess
-    started: float
-    deadline: float | None
-    content: bytearray = field(default_factory=bytearray)
-    printed: bytearray = field(default_factory=bytearray)
-    late: bool = False
-
-    def take_answer(self) -> bool:
-        """Take what came back by now; return whether the process has ended."""
-        return _read(self.process.answer, self.content)
-
-    @property
-    def answered(self) -> bool:
-        """Whether all has come back, so that the process has only to end."""
-        return end_of_message(self.content) is not None
-
-    def take_print(self) -> bool:
-        """Take what was printed by now, of which the end is kept; return whether no more can come."""
-        ended = _read(self.process.printed, self.printed)
-        del self.printed[:-MOST_PRINTED]
-        return ended
-
-
-class _Server:
-    """The loop that starts calls and collects what they return."""
-
-    def __init__(self, workers: int, requests: int, answers: int) -> None:
-        self._workers, self._requests, self._answers = workers, requests, answers
-        self._reader = FrameReader(requests)
-        self._waiting: deque[Call] = deque()
-        self._running: dict[int, _Running] = {}
-        self._selector = selectors.DefaultSelector()
-        self._selector.register(requests, selectors.EVENT_READ)
-        self._spare = self._fork()
-
-    def serve(self) -> None:
-        """Serve until nobody asks or listens any more; what still runs then is killed."""
-        with suppress(BrokenPipeError):
-            self._serve()
-        for process in (self._spare, *(run.process for run in self._running.values())):
-            process.kill()
-            process.reap()
-
-    def _serve(self) -> None:
-        """Start calls and collect what they return, until nobody asks any more."""
-        while True:
-            for key, _ in self._selector.select(self._until_next_deadline()):
-                if key.data is not None:
-                    key.data()
-                    continue
-                calls = self._reader.read()
-                if calls is None:
-                    return
-                self._waiting += calls
-            while self._waiting and self._busy < self._workers:
-                self._start(self._waiting.popleft())
-            self._kill_late()
-
-    @property
-    def _busy(self) -> int:
-        """How many calls are being carried out; the end of a process takes milliseconds."""
-        return sum(not run.answered for run in self._running.values())
-
-    def _until_next_deadline(self) -> float | None:
-        """Return the time until a call must end [s], None if none must."""
-        deadlines = [run.deadline for run in self._running.values() if run.deadline and not run.late]
-        return max(min(deadlines) - time.monotonic(), 0.0) if deadlines else None
-
-    def _fork(self) -> CallProcess:
-        """Fork a process, which lets go of what belongs to the server."""
-        held = [end for run in self._running.values() for end in (run.process.answer, run.process.printed)]
-        return CallProcess((self._requests, self._answers, *held))
-
-    def _start(self, call: Call) -> None:
-        """Hand a call to the process at hand, and fork another one for the next."""
-        process = self._spare
-        if not process.hand(call.payload, call.limits):
-            # Somebody has killed it; should this one be killed too, then as a process of the call.
-            process.reap()
-            process = self._fork()
-            process.hand(call.payload, call.limits)
-        started, seconds = time.monotonic(), call.limits.seconds
-        run = _Running(call.number, process, started, None if seconds is None else started + seconds)
-        self._running[call.number] = run
-        self._selector.register(process.answer, selectors.EVENT_READ, partial(self._collect, run))
-        self._selector.register(process.printed, selectors.EVENT_READ, partial(self._listen, run))
-        self._spare = self._fork()
-
-    def _listen(self, run: _Running) -> None:
-        """Take what a call prints."""
-        if run.number in self._running and run.take_print():
-            self._selector.unregister(run.process.printed)
-
-    def _collect(self, run: _Running) -> None:
-        """Take what a call has returned; at its end report it, after those that were answered before."""
-        if run.number not in self._running or not run.take_answer():
-            return
-        before = [other for other in self._running.values() if other.answered and other.number < run.number]
-        for one in (*before, run):
-            self._report(one)
-
-    def _report(self, run: _Running) -> None:
-        """Report a call whose process has ended or is about to."""
-        run.take_print()
-        self._selector.unregister(run.process.answer)
-        with suppress(KeyError):
-            self._selector.unregister(run.process.printed)
-        del self._running[run.number]
-        status, usage = run.process.reap()
-        returned = run.answered and status == 0
-        ended = Ended(
-            number=run.number,
-            how="timeout" if run.late else "returned" if returned else "died",
-            value=content_of(run.content, len(run.content)) if returned else None,
-            exit_status=os.waitstatus_to_exitcode(status),
-            wall_seconds=time.monotonic() - run.started,
-            cpu_seconds=usage.ru_utime + usage.ru_stime,
-            peak_memory=usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024),
-            printed=bytes(run.printed),
-        )
-        write_all(self._answers, framed(ended))
-
-    def _kill_late(self) -> None:
-        """Kill calls that have run out of time; their pipes close, and they are collected."""
-        now = time.monotonic()
-        for run in self._running.values():
-            if run.deadline is not None and now >= run.deadline and not run.late:
-                run.late = True
-                run.process.kill()
-
-
-def _read(end: int, into: bytearray) -> bool:
-    """Append what can be read now from a descriptor; return whether that was the end of it."""
-    try:
-        content = os.read(end, 1 << 16)
-    except BlockingIOError:
-        return False
-    into += content
-    return not content
+    serve(requests, answers)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Calls carried out by the workers of a Dask cluster, each in a process of its own.
+"""Calls on the workers of a Dask cluster, each in a process of its own.
 
 Dask decides which worker takes a call, and gives it to another if a worker is lost. A worker passes it on to
 a warm server process (local_pool.py), so limits and isolation are the same as without Dask.
@@ -13,8 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any
 
-from toile.dressing.batch.batch_stopped import BatchStopped
-from toile.dressing.batch.processes.isolated_call import Ended, Limits, pickled_call
+from toile.dressing.batch.processes.isolated_call import Ended, Limits, PoolFailed
 from toile.dressing.batch.processes.local_pool import LocalPool
 from toile.geometry.errors import InputError
 
@@ -69,7 +68,7 @@ class DaskPool:
 
     @property
     def room(self) -> int:
-        """How many more calls can be given."""
+        """Number of calls that it can take now."""
         now = time.monotonic()
         if now - self._looked > LOOK_EVERY:
             self._looked = now
@@ -93,8 +92,8 @@ class DaskPool:
         """Have a function called with an argument; `wait` reports its end under `key`."""
         self._count += 1
         number = self._count
-        payload = pickled_call(function, argument)
-        future: Any = self._client.submit(call_here, self._batch, payload, limits, self._load, pure=False)
+        call = self._batch, function, argument, limits, self._load
+        future: Any = self._client.submit(call_here, *call, pure=False)
         self._running[number] = key, future
         future.add_done_callback(lambda _: self._ended.put(number))
 
@@ -106,7 +105,7 @@ class DaskPool:
                 number = self._ended.get(block=not found, timeout=seconds)
             except queue.Empty:
                 if self._client.status != "running":
-                    raise BatchStopped(f"the Dask scheduler at {self._address} is gone") from None
+                    raise PoolFailed(f"the Dask scheduler at {self._address} is gone") from None
                 return found
             key, future = self._running.pop(number)
             found.append((key, self._end_of(future)))
@@ -120,10 +119,10 @@ class DaskPool:
             return ended
         error = future.exception() if future.status == "error" else None
         if isinstance(error, KilledWorker):
-            return Ended(number=0, how="lost")
+            return Ended(how="lost")
         if error is None:
-            raise BatchStopped(f"the Dask scheduler at {self._address} has dropped a job")
-        raise BatchStopped(
+            raise PoolFailed(f"the Dask scheduler at {self._address} has dropped a job")
+        raise PoolFailed(
             f"a Dask worker cannot run jobs ({type(error).__name__}: {error}); all workers need the same "
             "version of toile as this machine"
         )
@@ -162,12 +161,14 @@ _busy: dict[LocalPool, str] = {}
 """On a worker: servers that wait for a call, and those that carry one out, with their batch."""
 
 
-def call_here(batch: str, payload: bytes, limits: Limits, load: Callable[[], None]) -> Ended:
+def call_here(
+    batch: str, function: Callable[[Any], Any], argument: Any, limits: Limits, load: Callable[[], None]
+) -> Ended:
     """On a worker, carry out a call in a process of its own and return how it ended."""
     pool = _idle.pop() if _idle else LocalPool(1, load)
     _busy[pool] = batch
     try:
-        pool.start_pickled(None, payload, limits)
+        pool.start(None, function, argument, limits)
         while not (ended := pool.wait(60.0)):
             pass
     finally:

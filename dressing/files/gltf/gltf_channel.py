@@ -1,4 +1,4 @@
-"""One channel of a glTF animation: keys over time, and what lies between them.
+"""One channel of a glTF animation: keys over time, and the interpolation between them.
 
 Khronos Group, glTF 2.0 specification, section 3.11 and appendix C.
 """

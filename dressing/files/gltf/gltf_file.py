@@ -1,4 +1,4 @@
-"""A glTF file as a container: its JSON, its buffers, and the numbers that accessors name in them.
+"""A glTF file as a container: its JSON, its buffers, and the numbers of its accessors.
 
 Khronos Group, glTF 2.0 specification, sections 3.6 (buffers, accessors) and 4 (GLB).
 """
@@ -42,7 +42,7 @@ def checked_shape(path: Path) -> Iterator[None]:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"{path}: is no valid glTF ({reason}); export it again", file=path) from error
+        raise InputError(f"{path}: is not valid glTF ({reason}); export it again", file=path) from error
 
 
 def has_animation(path: Path) -> bool:

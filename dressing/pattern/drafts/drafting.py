@@ -1,4 +1,4 @@
-"""What the drafts share: outlines with named sides in absolute points, mirroring, and sewing by name."""
+"""Helpers of the drafts: outlines with named sides in absolute points, mirroring, sewing by name."""
 
 import dataclasses
 import itertools

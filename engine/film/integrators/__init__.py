@@ -1,1 +1,1 @@
-"""Integrators, one file each: how a stepper gets over a time step, in one stage or several."""
+"""Integrators, one file each: a time step of a stepper in one stage or several."""

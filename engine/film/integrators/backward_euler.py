@@ -1,4 +1,4 @@
-"""Backward Euler, iterated from where nodes are going: x1 = x0 + h v1, v1 = v0 + h a(x1, v1).
+"""Backward Euler, iterated from x0 + h v0: x1 = x0 + h v1, v1 = v0 + h a(x1, v1).
 
 Of first order, L-stable: what is faster than the step is damped away, and what is slower, too; a swing of
 1 Hz loses half of its energy in a second.

@@ -1,4 +1,4 @@
-"""What integrators have in common: what they are called with, and how the outcomes of stages add up."""
+"""The type of an integrator, and what integrators share."""
 
 from collections.abc import Callable
 from dataclasses import replace

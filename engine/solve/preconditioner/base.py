@@ -1,4 +1,4 @@
-"""What conjugate gradients ask of a preconditioner."""
+"""The protocol of a preconditioner."""
 
 from typing import Protocol
 

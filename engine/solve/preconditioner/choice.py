@@ -1,4 +1,4 @@
-"""Which preconditioner a system gets."""
+"""Choice of the preconditioner of a system."""
 
 from toile.engine.solve.linear_system import LinearSystem
 from toile.engine.solve.preconditioner.base import Preconditioner

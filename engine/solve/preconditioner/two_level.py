@@ -1,4 +1,4 @@
-"""Two levels: Gauss-Seidel for what is short, rigid motions of groups of nodes for what is long.
+"""Two levels: Gauss-Seidel for short wavelengths, rigid motions of groups of nodes for long ones.
 
     M^-1 = S^-1 + Q (I - A S^-1),   Q = Z (Z^T A Z)^-1 Z^T
 

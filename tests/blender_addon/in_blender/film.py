@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import small_scene as small
 
-from toile.blender_addon import scene_folder
+from toile.blender_addon.snapshot import scene_folder
 
 folder = Path(sys.argv[1])
 work = folder / "work"

@@ -51,7 +51,7 @@ def test_what_happens_to_one_job_happens_to_no_other(play: Play, tmp_path: Path)
     assert table["good0"]["frames"] == 3 and table["good0"]["state"] == "done"
     assert table["hang"]["wall_seconds"] == pytest.approx(3.0, abs=1.0)
     again = by_name(play([act("killed", "killed"), act("crash", "crash")]))
-    assert not again["killed"].skipped and again["crash"].skipped, "nor is it when the same call goes on"
+    assert not again["killed"].skipped and again["crash"].skipped, "nor is it when the same call resumes"
     state = standing(out, active=False)
     assert state.states == {"done": 6, "failed": 7}
     assert state.failures["crashed"] == 2
@@ -116,7 +116,7 @@ def test_stop_waits_for_what_runs(play: Play, tmp_path: Path) -> None:
 
 
 def test_a_full_disk_stops_the_batch_and_the_same_call_goes_on(play: Play, tmp_path: Path) -> None:
-    with pytest.raises(BatchStopped, match="out: the disk is full; what has ended is kept"):
+    with pytest.raises(BatchStopped, match="out: the disk is full; finished jobs are kept"):
         play([act("a"), act("b", "full"), *(act(f"c{k}", "slow") for k in range(20))], workers=1)
     states = {row["name"]: row["state"] for row in rows(tmp_path / "out")}
     assert states["a"] == "done" and states["b"] == "pending"
@@ -133,7 +133,7 @@ def test_two_jobs_of_one_name(play: Play) -> None:
 
 
 def test_one_batch_at_a_time_in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("toile.dressing.batch.processes.folder_lock.PATIENCE", 0.2)
+    monkeypatch.setattr("toile.dressing.batch.folder_lock.PATIENCE", 0.2)
     results = run_batch(
         [act("a"), act("b")], tmp_path, lambda lock: LocalPool(1, nothing, inherited=[lock]), Limits(), False,
         None, work=stand_in,

@@ -120,10 +120,10 @@ def test_again_and_retry(finished: Path, jobs_file: Path, capsys: pytest.Capture
     command = ("--jobs", jobs_file, *QUICK, "-o", finished)
     started = time.monotonic()
     assert batch(*command) == 1
-    assert "5 of them before" in capsys.readouterr().out
+    assert "5 of them earlier" in capsys.readouterr().out
     assert time.monotonic() - started < 5.0
     assert batch(*command, "--retry", "failed", "--workers", 2) == 1
-    assert "2 of them before" in capsys.readouterr().out
+    assert "2 of them earlier" in capsys.readouterr().out
     attempts = {row["name"]: row["attempts"] for row in rows(finished)}
     assert attempts == {"plain": 1, "stiff": 1, "text": 2, "gone": 2, "empty": 2}
 
@@ -210,7 +210,7 @@ def test_ctrl_c_finishes_or_ends_what_runs(presses: int, tmp_path: Path) -> None
     states = {row["state"] for row in rows(out)}
     assert "running" not in states
     if presses == 1:
-        assert "the same command goes on" in error
+        assert "the same command resumes" in error
         assert len(list((out / "jobs").iterdir())) >= 2
     else:
         assert "pending" in states
@@ -242,7 +242,7 @@ def test_a_disk_that_runs_full(tmp_path: Path) -> None:
         command += [*map(str, QUICK), "-o", str(disk / "out"), "--quiet"]
         full = subprocess.run(command, capture_output=True, text=True)
         assert full.returncode == 3, full.stderr
-        assert "the disk is full; what has ended is kept" in full.stderr.splitlines()[-1]
+        assert "the disk is full; finished jobs are kept" in full.stderr.splitlines()[-1]
         assert "Traceback" not in full.stderr
         kept = sorted(path.name for path in (disk / "out/jobs").iterdir())
         assert 1 <= len(kept) < 5

@@ -17,7 +17,7 @@ from toile.dressing.batch.job import Job
 from toile.dressing.batch.ledger import rows
 from toile.dressing.batch.processes.dask_pool import DaskPool
 from toile.dressing.batch.processes.isolated_call import Limits
-from toile.dressing.batch.processes.shipping_pool import ShippingPool
+from toile.dressing.batch.shipping_pool import ShippingPool
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
 from toile.geometry.errors import InputError
 

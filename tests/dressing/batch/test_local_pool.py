@@ -1,4 +1,4 @@
-"""Calls in processes that are forked ahead: what they return and print, and what a death takes with it."""
+"""Calls in processes of their own: what they return and print, and what a death takes with it."""
 
 import os
 import signal
@@ -7,13 +7,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.dressing.batch.processes import children_of, server_of
 from tests.dressing.batch.stand_in_jobs import nothing
-from toile.dressing.batch.processes.huge_pages import _allocated
 from toile.dressing.batch.processes.isolated_call import Ended, Limits
 from toile.dressing.batch.processes.local_pool import LocalPool
 
@@ -43,6 +43,38 @@ def sleep(seconds: float) -> float:
     """Take time."""
     time.sleep(seconds)
     return seconds
+
+
+SEEN: list[int] = []
+
+
+def remember(number: int) -> list[int]:
+    """Change what is global, also for libraries."""
+    SEEN.append(number)
+    os.environ["TOILE_TEST"] = str(number)
+    os.chdir("/")
+    sys.setrecursionlimit(500 + number)
+    return list(SEEN)
+
+
+def spin(_: object) -> None:
+    """Compute for ever, deaf to what can be ignored."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    while True:
+        sum(range(10_000_000))
+
+
+def echo(content: bytes) -> bytes:
+    """Print and return what is given."""
+    sys.stdout.write("x" * len(content))
+    return content
+
+
+def chatter(_: object) -> None:
+    """Print for ever."""
+    while True:
+        os.write(1, b"and another thing " * 1000)
 
 
 def broken(_: object) -> None:
@@ -85,6 +117,18 @@ def test_much_that_is_printed_ends_no_call(pool: LocalPool) -> None:
     assert end.cpu_seconds < 0.5
 
 
+def test_one_that_prints_for_ever_ends_in_time_and_holds_up_no_other() -> None:
+    with closing(LocalPool(2, nothing)) as pool:
+        ended(pool, double, 1)
+        pool.start("long", chatter, None, Limits(seconds=1.0))
+        pool.start("short", double, 2, Limits())
+        found: list[tuple[Any, Ended]] = []
+        while len(found) < 2:
+            found += pool.wait(5.0)
+    assert [(key, end.how) for key, end in found] == [("short", "returned"), ("long", "timeout")]
+    assert found[1][1].wall_seconds < 3.0
+
+
 def test_large_values_and_arguments(pool: LocalPool) -> None:
     (end,) = ended(pool, large, 5_000_000)
     assert len(end.value) == 5_000_000
@@ -98,36 +142,65 @@ def test_an_error_that_is_not_caught_is_printed(pool: LocalPool) -> None:
     assert b"no thread on the bobbin" in end.printed
 
 
-def test_a_waiting_process_may_be_killed(pool: LocalPool) -> None:
-    """It costs no call: another is forked."""
-    ended(pool, double, 1)
-    (spare,) = children_of(server_of(pool))
-    os.kill(spare, signal.SIGKILL)
-    time.sleep(0.2)
-    assert [end.value for end in ended(pool, double, 2, 3)] == [4, 6]
-
-
 def test_a_call_that_had_not_started_is_not_lost(pool: LocalPool) -> None:
-    """The one at hand in the server that was killed runs in the next."""
+    """It runs in the server that takes the place of the one that was killed."""
     pool.start("runs", sleep, 60.0, Limits())
     pool.start("waits", double, 4, Limits())
     until = time.monotonic() + 30.0
-    while len(below := children_of(server_of(pool))) < 2 and time.monotonic() < until:
+    while not (below := children_of(server_of(pool))) and time.monotonic() < until:
         time.sleep(0.05)
     pool.kill()
     found = dict(pool.wait(10.0))
     assert {key: end.how for key, end in found.items()} == {"runs": "lost"}
     assert [(key, end.value) for key, end in pool.wait(10.0)] == [("waits", 8)]
-    assert len(below) == 2 and not any(alive(pid) for pid in below)
+    assert len(below) == 1 and not any(alive(pid) for pid in below)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="huge pages are Linux's")
-def test_areas_that_are_allocated() -> None:
-    maps = (
-        "5566000-5586000 rw-p 00000000 00:00 0                          [heap]\n"
-        "7f0000-7f4000 rw-p 00000000 00:00 0 \n"
-        "7f4000-7f8000 r--p 00000000 00:00 0 \n"
-        "7f8000-7fa000 rw-p 00001000 fe:00 31  /usr/lib/a name.so\n"
-        "7fffd000-7ffff000 rw-p 00000000 00:00 0                          [stack]\n"
+def test_what_a_call_changes_is_gone_with_it(pool: LocalPool) -> None:
+    assert [end.value for end in ended(pool, remember, 1, 2, 3)] == [[1], [2], [3]]
+    assert not SEEN
+
+
+def test_much_at_once_in_both_directions_does_not_jam() -> None:
+    with closing(LocalPool(2, nothing)) as pool:
+        content = bytes(3_000_000)
+        ends = ended(pool, echo, *(content + bytes([k]) for k in range(6)))
+    assert sorted(end.value[-1] for end in ends) == list(range(6))
+    assert all(len(end.printed) == 1 << 20 for end in ends)
+
+
+COORDINATOR = """
+import sys
+from tests.dressing.batch.stand_in_jobs import nothing
+from tests.dressing.batch.test_local_pool import spin
+from tests.dressing.batch.processes import server_of
+from toile.dressing.batch.processes.isolated_call import Limits
+from toile.dressing.batch.processes.local_pool import LocalPool
+pool = LocalPool(2, nothing)
+for key in range(2):
+    pool.start(key, spin, key, Limits())
+print(server_of(pool), flush=True)
+pool.wait(600.0)
+"""
+
+
+@pytest.mark.parametrize("victims", ["coordinator", "both"])
+def test_no_process_outlives_a_killed_coordinator(victims: str) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[3])}
+    process = subprocess.Popen(
+        [sys.executable, "-c", COORDINATOR], env=environment, stdout=subprocess.PIPE, text=True
     )
-    assert _allocated(maps) == [(0x5566000, 0x5586000), (0x7F0000, 0x7F4000)]
+    assert process.stdout is not None
+    server = int(process.stdout.readline())
+    until = time.monotonic() + 30.0
+    while len(calls := children_of(server)) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(calls) == 2
+    process.kill()
+    if victims == "both":
+        os.kill(server, signal.SIGKILL)
+    process.wait()
+    until = time.monotonic() + 10.0
+    while any(alive(pid) for pid in (server, *calls)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not [pid for pid in (server, *calls) if alive(pid)]

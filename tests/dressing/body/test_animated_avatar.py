@@ -75,7 +75,7 @@ def test_a_hole_is_closed_and_its_patch_moves_along(walk: tuple[Float, Int], tmp
         ({"faces": np.zeros((2, 4), int)}, "faces must be whole numbers"),
         ({"faces": np.array([[0, 1, 10_000_000]])}, "face 0 refers to a vertex that does not exist"),
         ({"fps": 0.0}, "fps must be greater than zero"),
-        ({"one": True}, "two frames at least"),
+        ({"one": True}, "at least two frames"),
         ({"nan": True}, "frame 1 has NaN"),
     ],
 )

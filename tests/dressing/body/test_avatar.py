@@ -107,7 +107,7 @@ def test_a_coin_and_a_tower_are_refused(tmp_path: Path, scale: float, size: str)
 
 def test_absurd_given_units_are_refused(tmp_path: Path) -> None:
     vertices, faces = capsule()
-    with pytest.raises(InputError, match="170 m large in m; give the right units"):
+    with pytest.raises(InputError, match="170 m large in m; give the correct units"):
         load_avatar(write(tmp_path / "cm.obj", vertices * 100.0, faces), units="m")
 
 

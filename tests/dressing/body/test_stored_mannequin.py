@@ -1,5 +1,6 @@
 """The mannequin on disk is the one that is built, and what cannot be read or written is no obstacle."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from toile.dressing.body import stored_mannequin as module
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.body.stored_mannequin import stored_mannequin
+from toile.geometry.sources import read_sources
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,28 @@ def test_other_libraries_build_their_own(
         monkeypatch.setattr(module, "version", lambda name, release=release: release)
         stored_mannequin()
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_other_sources_build_their_own_and_the_oldest_go(
+    built: Avatar, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TOILE_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(module, "mannequin", lambda: built)
+    sources = read_sources()
+    figure = "toile.dressing.body.mannequin_figure"
+    for change in range(module.KEPT + 3):
+        changed = sources | {figure: sources[figure] + b"#" * change}
+        monkeypatch.setattr(module, "read_sources", lambda changed=changed: changed)
+        stored_mannequin()
+        for path in tmp_path.iterdir():
+            os.utime(path, (path.stat().st_mtime - 10.0,) * 2)
+        newest = module._path()
+    assert newest.is_file() and len(list(tmp_path.iterdir())) == module.KEPT + 1
+    monkeypatch.setattr(module, "read_sources", lambda: sources | {"toile.dressing.cli.main": b"other"})
+    assert module._path().name != newest.name
+    first = module._path()
+    monkeypatch.setattr(module, "read_sources", lambda: sources)
+    assert module._path() == first, "the command line is no part of it"
 
 
 def test_a_folder_that_cannot_be_written_is_no_obstacle(

@@ -217,6 +217,7 @@ def test_ctrl_c_keeps_the_result(tmp_path: Path, body: Path, shirt: Path, fake_d
         (("--garment", "tshirt", "--avatar", "body.xyz"), ".xyz"),
         (("--garment", "tshirt", "--units", "cm"), "--units"),
         (("--colour", "red"), "unrecognized arguments"),
+        (("--garment", "tshirt", "--threads", "2"), "unrecognized arguments: --threads"),
         (("scene.txt",), "ends in .toml"),
         (("missing.toml",), "no such scene file"),
     ],

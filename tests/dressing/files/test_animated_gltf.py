@@ -243,7 +243,7 @@ def test_an_animated_body_is_read_as_an_avatar(tmp_path: Path) -> None:
     assert np.abs(moved[-1] - np.array([0.0, 0.01, 0.2])).max() < 1e-6
     assert np.abs(moved[6] - np.array([0.0, 0.005, 0.1])).max() < 1e-6
     assert any('animation ("walk") of 0.5 s was read, 1 more not: what' in note for note in avatar.notes)
-    assert any("13 frames at 24 per second, which is assumed" in note for note in avatar.notes)
+    assert any("13 frames at 24 per second (assumed" in note for note in avatar.notes)
     finer = load_animated_avatar(path, fps=60.0)
     assert finer.motion is not None and finer.motion.frames.shape[0] == 31
     assert finer.motion.seconds == pytest.approx(0.5)
@@ -314,7 +314,7 @@ def resting(glb: Glb) -> None:
         (edit("asset.version", "1.0"), "is glTF 1.0; export it as glTF 2.0"),
         (edit("meshes.0.primitives.0.mode", 1), "holds no triangles"),
         (edit("meshes.0.primitives.0.indices", 0), r"accessors\[0\] must be SCALAR"),
-        (edit("meshes.0.primitives", None), "is no valid glTF .*primitives"),
+        (edit("meshes.0.primitives", None), "is not valid glTF .*primitives"),
         (edit("nodes.0.matrix", np.eye(4).ravel().tolist()), r"nodes\[0\] is animated but has a matrix"),
         (edit("nodes.0.children", [0]), "its nodes are each other's children"),
         (edit("nodes.0.rotation", [0, 0, 0, 0]), r"nodes\[0\]\.rotation is of length zero"),

@@ -244,7 +244,7 @@ def test_coin_and_tower(size: float, name: str, extension: str, refused: Refused
     assert f"odd{extension}: the avatar is not the size of a body in any unit ({name}" in error
     assert "give its units (m, dm, cm or mm) or scale the file" in error
     error = refused("--garment", "tube.obj", "--avatar", f"odd{extension}", "--units", "m")
-    assert "large in m; give the right units" in error
+    assert "large in m; give the correct units" in error
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 9.0), (0.0, 4.0, 0.0), (-1.5, 0.0, 0.0)])

@@ -90,7 +90,7 @@ def test_fabric_of_garment_scene_and_default(fake_drape: Callable[..., Any]) -> 
     ("options", "message"),
     [
         ({"gravity": float("nan")}, "gravity"),
-        ({"threads": 0}, "threads"),
+        ({"max_frames": 0}, "max_frames"),
         ({"quality": "Standard"}, "did you mean 'standard'"),
         ({"fabric": "silk"}, "did you mean 'silk-charmeuse'"),
     ],
@@ -102,3 +102,5 @@ def test_bad_scenes(options: dict[str, Any], message: str, fake_drape: Callable[
     assert not fake.calls
     with pytest.raises(toile.InputError, match="no garment"):
         toile.Scene(garments=[])
+    with pytest.raises(TypeError, match="'threads'"):
+        scene(threads=2)

@@ -89,7 +89,7 @@ def test_a_broken_off_run_goes_on_to_the_same_bytes(
     said: list[str] = []
     result = resume(tmp_path, say=said.append)
     assert result.status in ("converged", "frame_limit")
-    assert any(f"going on after frame {last}" in line for line in said)
+    assert any(f"resuming after frame {last}" in line for line in said)
     assert frames(tmp_path) == frames(whole)
     assert (tmp_path / "dressed.glb").read_bytes() == (whole / "dressed.glb").read_bytes()
 
@@ -122,7 +122,7 @@ def test_bad_input_leaves_a_run_that_can_be_taken_up(tmp_path: Path) -> None:
 
 
 def test_nothing_to_take_up_and_damage_are_named(whole: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no run to take up"):
+    with pytest.raises(InputError, match="there is no run to resume"):
         resume(whole)
     (tmp_path / ".resume").mkdir()
     (tmp_path / ".resume" / "scene").write_bytes(b"broken")
@@ -134,4 +134,4 @@ def test_the_command_wants_one_of_output_and_resume(capsys: pytest.CaptureFixtur
     assert main(["dress", "--garment", "tshirt"]) == 2
     assert "--resume OUTDIR" in capsys.readouterr().err
     assert main(["dress", "--resume", "nowhere"]) == 2
-    assert "there is no run to take up" in capsys.readouterr().err
+    assert "there is no run to resume" in capsys.readouterr().err

@@ -13,6 +13,7 @@ import pytest
 import toile
 from toile.dressing.run import kernels
 from toile.geometry import kernel
+from toile.geometry.sources import modules_behind, read_sources
 
 ALL_KERNELS = (
     kernels.DRAPE_KERNELS
@@ -41,6 +42,32 @@ def holds_kernels(module: str) -> bool:
 def test_every_module_with_kernels_is_listed_once() -> None:
     modules = [module.name for module in pkgutil.walk_packages(toile.__path__, "toile.")]
     assert sorted(ALL_KERNELS) == sorted(filter(holds_kernels, modules))
+
+
+def test_modules_come_after_those_they_import() -> None:
+    """The process at the front of a list must not compile what the one at its end begins with."""
+    sources = read_sources()
+    groups = (kernels.PANEL_KERNELS, kernels.REMESH_KERNELS, kernels.PICTURE_KERNELS)
+    for group in (kernels.DRAPE_KERNELS, *groups, kernels.INTEGRATOR_KERNELS):
+        for place, module in enumerate(group):
+            behind = modules_behind(sources, module) & set(group)
+            assert behind <= set(group[: place + 1]), f"{module} imports a later one"
+
+
+def test_modules_are_listed_by_what_needs_them() -> None:
+    assert "toile.engine.forces.membrane" in kernels.DRAPE_KERNELS
+    assert "toile.remesh.panel.split_ears" in kernels.PANEL_KERNELS
+    assert {"toile.collide.patch_clearance", "toile.remesh.adapt.merge_patches"} <= set(
+        kernels.REMESH_KERNELS
+    )
+    assert "toile.dressing.pictures.shading" in kernels.PICTURE_KERNELS
+    assert set(kernels.INTEGRATOR_KERNELS) <= {
+        "toile.engine.forces.spring",
+        "toile.engine.forces.membrane_damping",
+    }
+    listed = set(ALL_KERNELS) - set(kernels.INTEGRATOR_KERNELS)
+    for module in ("toile.dressing.wear.put_on", "toile.dressing.run.follow"):
+        assert set(filter(holds_kernels, modules_behind(read_sources(), module))) <= listed
 
 
 def stored(folder: Path) -> set[str]:

@@ -14,7 +14,6 @@ edge_length = 0.02
 max_frames = 50
 gravity = 1.62
 friction = 0.5
-threads = 2
 friction_between = [["my denim", "body", 0.6], ["canvas", "my denim", 0.2]]
 default_fabric = "canvas"
 
@@ -49,7 +48,7 @@ def write(folder: Path, text: str) -> Path:
 def test_every_key_arrives(tmp_path: Path) -> None:
     scene = load_scene(write(tmp_path, FULL))
     assert (scene.quality, scene.edge_length, scene.max_frames) == ("preview", 0.02, 50)
-    assert (scene.gravity, scene.friction, scene.threads, scene.fabric) == (1.62, 0.5, 2, "canvas")
+    assert (scene.gravity, scene.friction, scene.fabric) == (1.62, 0.5, "canvas")
     assert scene.friction_between == {("my denim", "body"): 0.6, ("canvas", "my denim"): 0.2}
     assert scene.avatar == AvatarFile(path=tmp_path / "bodies/eve.obj", units="cm", up="z")
     shirt, skirt = scene.garments
@@ -98,7 +97,8 @@ GARMENT = '[[garment]]\nsource = "tshirt"\n'
         ),
         (GARMENT + "[fabric.a]\nshear = 4\n", "line 3: fabric 'a' lacks areal_density, "),
         (GARMENT + 'self_contact = "no"\n', "line 3: self_contact must be true or false, got 'no'"),
-        ("threads = true\n" + GARMENT, "line 1: threads must be a whole number"),
+        ("max_frames = true\n" + GARMENT, "line 1: max_frames must be a whole number"),
+        ("threads = 2\n" + GARMENT, "line 1: unknown key 'threads'"),
         ('fabric = "canvas"\n' + GARMENT, "line 1: .*default_fabric = 'canvas'"),
         ('friction_between = [["denim", 0.5]]\n' + GARMENT, "line 1: friction_between: each entry is two"),
         (

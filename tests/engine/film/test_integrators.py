@@ -15,8 +15,8 @@ from toile.engine.film.integrators.integrator import Ask, Integrator
 from toile.engine.film.integrators.symplectic_euler import symplectic_euler
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.step_sizes import StepLimits, StepSizes
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
-from toile.engine.forces.wind import AirFlow
 from toile.engine.step.memory import Memory
 from toile.engine.step.options import StepOutcome
 from toile.engine.step.stages import GAMMA, bdf2_stage, tr_bdf2_stage

@@ -161,3 +161,18 @@ def test_stages_are_asked_for_at_their_own_times() -> None:
     stepper, way = oscillator(), Way(integrator=noted, ask=EXACT.request)
     list(advance(stepper, way, StepSizes(StepLimits(longest=0.05), 0.05), (3.0, 0.1), StepCounts()))
     assert asked == pytest.approx([3.0125, 3.05, 3.0625, 3.1])
+
+
+@pytest.mark.parametrize("seconds", [1.0 / 30.0, 1.0 / 24.0, 0.1, 1.0])
+@pytest.mark.parametrize("longest", [1.0 / 120.0, 1.0 / 60.0, 0.01, 0.05])
+def test_steps_that_never_go_well_come_to_their_end(seconds: float, longest: float) -> None:
+    """By rounding, equal parts of the time left may be a little longer than the shortest size."""
+    for divisor in (3.0, 4.0, 7.0, 8.0, 16.0, 30.0):
+        sizes = StepSizes(StepLimits(longest=longest, shortest=longest / divisor), longest)
+        left, tried = seconds, 0
+        while left > 1e-9 * seconds:
+            h = sizes.next(left, 0.0)
+            tried += 1
+            assert tried < 10_000
+            if sizes.keeps(h, done(converged=False), 0.0):
+                left -= h

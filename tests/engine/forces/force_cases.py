@@ -13,6 +13,7 @@ from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.collide.search import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.goals import Goals
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.bend import Bending, bending_tensor
 from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
@@ -23,7 +24,7 @@ from toile.engine.forces.spring import SpringDamping, Springs
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
-from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.forces.wind import Wind
 from toile.engine.solve.hessian import Hessian
 from toile.engine.step.collisions import Collisions
 from toile.geometry.arrays import Float

@@ -9,7 +9,7 @@ from tests.collide.surfaces import crumpled, sheet, stacked
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.forces.contact import ContactLaw, Contacts, PairFriction, evaluate_contacts
+from toile.engine.forces.contact import ContactLaw, Contacts, Meeting, PairFriction, evaluate_contacts
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_stepper
@@ -50,8 +50,8 @@ class Scene:
     ) -> Contacts:
         area = np.full(len(p), 4e-4)
         contacts = evaluate_contacts(
-            p, start, self.count, self.body, self.cloth, self.radius, self.radius, area, law_, law_,
-            rubbing(len(p), friction),
+            p, start, self.count, Meeting(self.body, self.radius, law_),
+            Meeting(self.cloth, self.radius, law_), area, rubbing(len(p), friction),
         )  # fmt: skip
         return rubbed(contacts, friction_at_start(contacts, slip))
 
@@ -121,8 +121,8 @@ def vertex_over_face(gap: float, slid: Float, friction: float, slip: float = 1e-
     start[0] = (0.0, gap, 0.0)
     pair = np.array([[0, 1, 2, 3]], np.int32)
     contacts = evaluate_contacts(
-        p, start, 1, (pair, NONE), (NONE, NONE), np.full(4, RADIUS), np.full(4, RADIUS), np.full(4, 2e-4),
-        law(), law(), rubbing(4, friction),
+        p, start, 1, Meeting((pair, NONE), np.full(4, RADIUS), law()),
+        Meeting((NONE, NONE), np.full(4, RADIUS), law()), np.full(4, 2e-4), rubbing(4, friction),
     )  # fmt: skip
     return rubbed(contacts, friction_at_start(contacts, slip))
 

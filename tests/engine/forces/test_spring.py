@@ -7,11 +7,11 @@ import pytest
 
 from toile.dressing.garment.fabrics import fabric
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.gusts import Gusts
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.spring import SpringDamping, Springs
-from toile.engine.forces.wind import AirFlow
 from toile.engine.solve.assembly import scatter_gradients, scatter_hessians
 from toile.engine.solve.block_pattern import BlockPattern
 from toile.geometry.arrays import Float

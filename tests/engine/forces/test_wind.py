@@ -7,8 +7,9 @@ import pytest
 
 from tests.engine.forces.moving_step import MovingStep
 from tests.engine.step.test_only_what_is_asked import GRAVITY, SLACK, options, sheet
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
-from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.forces.wind import Wind
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock
 from toile.engine.step.state import Instant

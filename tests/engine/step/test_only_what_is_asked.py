@@ -13,6 +13,7 @@ from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.goals import Goals
 from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import DrapePlan, Frame
+from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.goal import GoalPull
@@ -22,7 +23,7 @@ from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
-from toile.engine.forces.wind import AirFlow, Wind
+from toile.engine.forces.wind import Wind
 from toile.engine.step import cloth_forces, cloth_run, collisions
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StageClock, StepOptions

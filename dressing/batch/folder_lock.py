@@ -1,15 +1,26 @@
 """One batch at a time in a folder."""
 
-import fcntl
 import os
 import time
 from pathlib import Path
 
 from toile.geometry.errors import InputError
 
+try:
+    import fcntl
+except ImportError:
+    # Windows, where no batch runs.
+    fcntl = None  # type: ignore[assignment]
+
 NAME = ".lock"
 PATIENCE = 10.0
 """Time for the processes of a batch that was killed to end [s]; they take milliseconds."""
+
+
+def check_system() -> None:
+    """Raise InputError where batches cannot run: a job's process is forked."""
+    if fcntl is None or not hasattr(os, "fork"):
+        raise InputError("batches need a system that can fork, Linux or macOS; on Windows use WSL")
 
 
 def lock_folder(folder: Path) -> int:
@@ -35,6 +46,8 @@ def lock_folder(folder: Path) -> int:
 
 def is_locked(folder: Path) -> bool:
     """Whether a batch runs in a folder."""
+    if fcntl is None:
+        return False
     try:
         descriptor = os.open(folder / NAME, os.O_RDWR)
     except OSError:

@@ -1,4 +1,4 @@
-"""Jobs on machines that do not see the batch's disk: input files travel with the call, results come back."""
+"""Jobs on machines that do not see the batch's disk: input files travel with the job, results come back."""
 
 import io
 import shutil
@@ -7,19 +7,17 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from toile.dressing.batch.dress_job import JobRequest
 from toile.dressing.batch.fingerprint import files_of
 from toile.dressing.batch.job_folder import RESULTS, put_in_place, work_folder
 from toile.dressing.batch.outcome import Outcome
+from toile.dressing.batch.pool import Pool
 from toile.dressing.batch.processes.isolated_call import Ended, Limits
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.garment_source import built_in_name
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
-
-if TYPE_CHECKING:
-    from toile.dressing.batch.batch import Pool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,12 +40,12 @@ class Arrival:
 class ShippingPool:
     """A pool whose jobs take their input files along and send their results."""
 
-    def __init__(self, pool: "Pool") -> None:
+    def __init__(self, pool: Pool) -> None:
         self._pool = pool
 
     @property
     def room(self) -> int:
-        """How many more calls it takes."""
+        """Number of calls that it can take now."""
         return self._pool.room
 
     @property

@@ -1,4 +1,4 @@
-"""Cells of a grid that a surface comes near: what lies in none of them does not cross it."""
+"""Grid cells near a surface: what lies in none of them cannot cross it."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
