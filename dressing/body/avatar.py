@@ -133,8 +133,13 @@ def read_triangles(path: Path, shape: Float | None = None) -> tuple[Float, Int, 
 def used_triangles(path: Path, surface: Surface) -> tuple[Float, Int]:
     """Vertices (v, 3) of a surface that faces use, and faces (f, 3).
 
-    Raises InputError if some are not finite.
+    Raises InputError if there are none or some are not finite.
     """
+    if not len(surface.faces):
+        raise InputError(
+            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
+            file=path,
+        )
     used, renumbered = np.unique(surface.faces, return_inverse=True)
     vertices = np.ascontiguousarray(surface.positions[used])
     bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))

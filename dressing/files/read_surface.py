@@ -33,12 +33,13 @@ def read_surface(path: Path, what: str, shape: Float | None = None) -> MeshFile:
     Raises
     ------
     InputError
-        If the file is missing, cannot be read, or holds no triangles.
+        If the file is missing or cannot be read.
     """
     if not path.is_file():
-        raise InputError(f"{path}: {what.removeprefix('the ')} file not found; check the path", file=path)
+        kind = "avatar" if what == "the body" else "garment"
+        raise InputError(f"{path}: {kind} file not found; check the path", file=path)
     if not path.stat().st_size:
-        raise InputError(f"{path}: the file is empty and has no faces; export {what} again", file=path)
+        raise InputError(f"{path}: the file is empty; export {what} again: it has no faces", file=path)
     extension = path.suffix.lower()
     if extension in MESHIO_FORMATS:
         return read_mesh_file(path, what, shape)
@@ -48,12 +49,6 @@ def read_surface(path: Path, what: str, shape: Float | None = None) -> MeshFile:
         surface = _read_stl(path, what)
     else:
         surface = (read_obj if extension == ".obj" else read_ply)(path, shape)
-    if not len(surface.faces):
-        raise InputError(
-            f"{path}: has no faces (no triangles: an empty mesh or a point cloud); export {what} as a "
-            "surface mesh",
-            file=path,
-        )
     return MeshFile(surface, ())
 
 

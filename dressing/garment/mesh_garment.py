@@ -73,6 +73,8 @@ def read_mesh_garment(
 
         return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
     surface, notes = read_surface(path, "the garment")
+    if not len(surface.faces):
+        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
     bad = np.flatnonzero(~np.isfinite(surface.positions).all(axis=1))
     if len(bad):
         raise InputError(

@@ -6,6 +6,7 @@ stitch can be sewn. What is wrong is named with file, panel and edge.
 
 import json
 import math
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, get_args
@@ -23,8 +24,6 @@ SHORTEST_EDGE = 1e-5
 MAX_DART_RATIO = 5.0
 MAX_GATHER_RATIO = 12.0
 """Longest over shortest edge that can be sewn together; real gathers stay below 4."""
-LARGEST_NUMBER = 1e9
-"""Numbers are smaller than this in any unit."""
 LARGEST_PANEL, SMALLEST_LARGEST = 10.0, 0.03
 """Size [m] that no panel exceeds, and that some panel of every pattern reaches: else the units are wrong."""
 
@@ -124,7 +123,7 @@ def _mapping(value: Any, what: str, advice: str) -> Mapping[str, Any]:
 def _number(value: Any, what: str) -> float:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     # NaN is not less than anything, and some whole numbers are too large for a float.
-    if not is_number or not abs(value) < LARGEST_NUMBER:
+    if not is_number or not abs(value) <= sys.float_info.max:
         shown = repr(value) if len(repr(value)) < 40 else f"{repr(value)[:36]}..."
         raise InputError(f"{what} must be a finite number, got {shown}")
     return float(value)
@@ -192,7 +191,7 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
     _check_outline(panel, where)
     for i in range(len(edges)):
         # A circle is three times as long as it is wide.
-        if (length := edge_length(panel, i)) > 4.0 * LARGEST_PANEL:
+        if not (length := edge_length(panel, i)) <= 4.0 * LARGEST_PANEL:
             raise InputError(
                 f"{where}, edge {i} is {length:.3g} m long; check its curvature", field=f"edges.{i}.curvature"
             )

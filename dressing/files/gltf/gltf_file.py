@@ -121,11 +121,11 @@ class GltfFile:
         """Return the number of rows of an accessor."""
         return self._size(self.entry("accessors", index), "count", f"accessors[{index}]")
 
-    def numbers(self, index: Any, kind: str) -> Float:
+    def numbers(self, index: Any, kind: str, *, finite: bool = True) -> Float:
         """Return the numbers of an accessor, shape (count, width); normalised integers as fractions.
 
         `kind` is the type it must have, such as "VEC3". Raises InputError if it has another, reads outside
-        its buffer or is not finite.
+        its buffer, or where numbers must be `finite` and are not.
         """
         accessor = self.entry("accessors", index)
         place = f"accessors[{index}]"
@@ -152,7 +152,7 @@ class GltfFile:
         values = raw.astype(np.float64)
         if accessor.get("normalized") and dtype.kind != "f":
             values = np.maximum(values / np.iinfo(dtype).max, -1.0)
-        if not np.isfinite(values).all():
+        if finite and not np.isfinite(values).all():
             raise self.error(f"{place} holds NaN or infinite numbers")
         return values
 

@@ -85,7 +85,8 @@ def _instances(
     """One primitive of a node's mesh at each of its places."""
     file, attributes = scene.file, primitive["attributes"]
     file.refuse_compression(primitive)
-    rest = file.numbers(attributes["POSITION"], "VEC3")
+    # Of a surface that stands still, the vertices at fault are named once all are read.
+    rest = file.numbers(attributes["POSITION"], "VEC3", finite=len(scene.times) > 1)
     targets = [
         file.numbers(target["POSITION"], "VEC3") if "POSITION" in target else np.zeros_like(rest)
         for target in primitive.get("targets", ())

@@ -71,7 +71,7 @@ def test_lines_of_json(tmp_path: Path) -> None:
         (["name,garment,fabric", "a,tshirt,canvas;canvas"], "line 2: 2 fabrics for 1 garments"),
         (["name,garment", "a/b,tshirt"], "line 2: job name 'a/b': use letters"),
         (["name,garment"], "holds no jobs"),
-        (["name,garment", 'a,tshirt', '"a'], "has another number of cells"),
+        (["name,garment", 'a,tshirt', '"a'], "number of cells"),
         (['"name', 'garment"', "a"], "line 1: unknown column 'name garment'"),
         (["name,avatar", "a,body.obj"], "garment"),
     ],

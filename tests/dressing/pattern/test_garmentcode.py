@@ -82,7 +82,7 @@ def test_a_byte_order_mark_is_no_part_of_the_pattern(tmp_path: Path) -> None:
     assert [panel.name for panel in read_garmentcode(path).panels] == ["left", "right"]
 
 
-@pytest.mark.parametrize("number", [10**400, 1e300, -(10**12), float("nan"), float("inf"), True, "1"])
+@pytest.mark.parametrize("number", [10**400, -(10**400), float("nan"), float("inf"), True, "1"])
 def test_numbers_that_no_pattern_has_are_named(number: Any, tmp_path: Path) -> None:
     document = two_squares()
     document["pattern"]["panels"]["left"]["translation"] = [number, 100, 10]
