@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.measure import add_measure
-from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser
+from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser, body_length
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -77,7 +77,9 @@ def command_parser() -> argparse.ArgumentParser:
     mannequin = commands.add_parser("mannequin", help="write the built-in mannequin to a file")
     mannequin.add_argument("-o", "--output", type=Path, required=True, help=".obj, .ply, .stl or .glb file")
     for size in ("height", "chest", "waist", "hip"):
-        mannequin.add_argument(f"--{size}", type=float, metavar="CM", help=f"{size} [cm]")
+        mannequin.add_argument(
+            f"--{size}", type=body_length, metavar="LENGTH", help=f"{size}: 175 or 175cm, 1.75 or 1.75m"
+        )
     mannequin.set_defaults(run=_run_mannequin)
 
     fabrics = commands.add_parser("fabrics", help="list the fabric presets")
@@ -296,7 +298,7 @@ def _run_mannequin(options: argparse.Namespace) -> int:
     from toile.dressing.body.mannequin import mannequin
 
     sizes = {
-        size: value / 100.0
+        size: value
         for size in ("height", "chest", "waist", "hip")
         if (value := getattr(options, size)) is not None
     }

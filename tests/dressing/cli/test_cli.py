@@ -16,6 +16,7 @@ import trimesh
 import toile
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.cli.main import main
+from toile.dressing.cli.parser import body_length
 from toile.dressing.pattern.sewing_edges import SEWING_COARSENESS
 from toile.dressing.run.kernels import REMESH_KERNELS
 from toile.dressing.run.quality import quality_preset
@@ -341,6 +342,19 @@ def test_mannequin_in_every_format(extension: str, tmp_path: Path, monkeypatch: 
     body = trimesh.load(path, force="mesh")
     assert np.ptp(body.vertices[:, 1]) == pytest.approx(1.8)
     assert body.is_watertight
+
+
+@pytest.mark.parametrize("text", ["180", "180cm", "1.8", "1.8m", "1800mm", " 180 cm "])
+def test_lengths_of_bodies_come_in_any_unit(text: str) -> None:
+    assert body_length(text) == pytest.approx(1.8)
+
+
+@pytest.mark.parametrize("text", ["tall", "1.8 ft", ""])
+def test_a_length_that_is_none_is_named(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mannequin", "-o", str(tmp_path / "body.ply"), "--height", text]) == 2
+    assert "is no length; write 1.75m or 175cm" in one_line(capsys)
 
 
 def test_mannequin_of_unknown_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
