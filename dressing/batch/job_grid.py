@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from toile.dressing.batch.job import Job
-from toile.dressing.body.avatar import FORMATS as AVATAR_FORMATS
+from toile.dressing.files.read_surface import FORMATS as AVATAR_FORMATS
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dressing.run.garment_source import built_in_name
@@ -81,7 +81,7 @@ class JobGrid:
             if name:
                 found[name] = None
                 continue
-            matches = sorted(glob.glob(pattern, recursive=True))
+            matches = _matches(pattern)
             # A file that is named is meant; of what a pattern matches, files of other kinds are not.
             fitting = [path for path in matches if path == pattern or Path(path).suffix.lower() in extensions]
             if not fitting:
@@ -94,6 +94,25 @@ class JobGrid:
                 self.notes.append(f"{option} {pattern!r}: {other} files of other kinds are left out")
             found |= dict.fromkeys(fitting)
         return list(found)
+
+
+def _matches(pattern: str) -> list[str]:
+    """Return the paths of a pattern; brackets are a set of signs, or stand in the names of files and folders.
+
+    What exists by its very name is meant by it.
+    """
+    if Path(pattern).exists():
+        return [pattern]
+    parts = Path(pattern).parts
+    known = next(k for k in range(len(parts), -1, -1) if Path(*parts[:k]).exists())
+    rest = parts[known:]
+    folder = [glob.escape(part) for part in parts[:known]]
+    literal = [part.replace("[", "[[]") for part in rest]
+    for end in (rest, literal):
+        found = glob.glob(str(Path(*folder, *end)), recursive=True)
+        if found:
+            return sorted(found)
+    return []
 
 
 def unique_names(sources: Sequence[str]) -> list[str]:

@@ -135,26 +135,32 @@ class JobsFile:
                     )
             yield line, row
 
+    def _error(self, line: int, message: str, field: str) -> InputError:
+        """Return the error about a key of a line."""
+        return InputError(f"{self._path}, line {line}: {message}", file=self._path, field=field)
+
     def _job(self, line: int, row: Mapping[str, Any]) -> Job:
         """Return the job of a row."""
         row = self._defaults | dict(row)
         data: dict[str, Any] = {key: value for key, value in row.items() if key in SCENE_KEYS[""]}
         avatar = row.get("avatar", {})
-        avatar = {"file": avatar} if isinstance(avatar, str) else dict(avatar)
-        avatar |= {key: row[key] for key in AVATAR_KEYS if key in row}
+        avatar = {"file": avatar} if isinstance(avatar, str) else avatar
+        if not isinstance(avatar, dict):
+            raise self._error(line, f"avatar must be a file or a table of keys, got {avatar!r}", "avatar")
+        avatar = avatar | {key: row[key] for key in AVATAR_KEYS if key in row}
         garments = row.get("garment", [])
         if isinstance(garments, str):
             garments = [part.strip() for part in garments.split(";")]
+        if not isinstance(garments, list) or not all(isinstance(entry, str | dict) for entry in garments):
+            raise self._error(
+                line, f"garment must be a list of files, names or tables of keys, got {garments!r}", "garment"
+            )
         garments = [{"source": entry} if isinstance(entry, str) else entry for entry in garments]
         if isinstance(fabric := row.get("fabric"), str):
             data.pop("fabric")
             fabrics = [part.strip() for part in fabric.split(";")]
             if len(fabrics) not in (1, len(garments)):
-                raise InputError(
-                    f"{self._path}, line {line}: {len(fabrics)} fabrics for {len(garments)} garments",
-                    file=self._path,
-                    field="fabric",
-                )
+                raise self._error(line, f"{len(fabrics)} fabrics for {len(garments)} garments", "fabric")
             fabrics = fabrics * len(garments) if len(fabrics) == 1 else fabrics
             garments = [{"fabric": name} | entry for name, entry in zip(fabrics, garments, strict=True)]
         data |= {"garment": garments} | ({"avatar": avatar} if avatar else {})

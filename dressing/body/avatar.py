@@ -2,23 +2,18 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-import trimesh
 
 from toile.dressing.body.avatar_repair import repaired_surface
 from toile.dressing.body.avatar_units import METRES_PER_UNIT, recognise_frame, upright
-from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
-from toile.dressing.files.meshio_file import read_mesh_file
-from toile.dressing.files.surface_check import check_vertex_numbers
+from toile.dressing.files.corner_surface import Surface
+from toile.dressing.files.read_surface import FORMATS, GLTF, read_surface
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
-
-FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf", *MESHIO_FORMATS)
-"""File extensions that can hold an avatar."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +59,8 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
     Parameters
     ----------
     path
-        The file: OBJ, PLY, STL, GLB, GLTF, VTU, VTK, XDMF, Abaqus .inp or Gmsh .msh.
+        The file: OBJ, PLY, STL, GLB, GLTF, VTU, VTK, XDMF, Abaqus .inp or Gmsh .msh. Of glTF it is the pose
+        at rest: bones, morph weights and instances count as a viewer shows them.
     units
         "m", "dm", "cm" or "mm"; None recognises the unit from the size of the body.
     up
@@ -93,7 +89,7 @@ def _loaded(path: Path, units: str | None, up: str | None) -> Avatar:
             file=path,
         )
     vertices, faces, notes = read_triangles(path)
-    is_gltf = extension in (".glb", ".gltf")
+    is_gltf = extension in GLTF
     avatar = avatar_of(path.name, path.stem, vertices, faces, units=units, up=up, is_gltf=is_gltf)
     return replace(avatar, notes=(*notes, *avatar.notes))
 
@@ -125,20 +121,27 @@ def avatar_of(
     )
 
 
-def read_triangles(path: Path) -> tuple[Float, Int, tuple[str, ...]]:
-    """Vertices (v, 3) in file units, without unused ones, and faces (f, 3) of everything in a file; notes."""
-    if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path", file=path)
-    if not path.stat().st_size:
-        raise InputError(f"{path}: the file is empty; export the body again", file=path)
-    notes: tuple[str, ...] = ()
-    if path.suffix.lower() in MESHIO_FORMATS:
-        surface, notes = read_mesh_file(path, "the body")
-        vertices, faces = surface.positions, surface.faces
-    else:
-        vertices, faces = _read_with_trimesh(path)
-    used, renumbered = np.unique(faces, return_inverse=True)
-    vertices = np.ascontiguousarray(vertices[used])
+def read_triangles(path: Path, shape: Float | None = None) -> tuple[Float, Int, tuple[str, ...]]:
+    """Vertices (v, 3) in file units, without unused ones, and faces (f, 3) of everything in a file; notes.
+
+    `shape` are all positions by which polygons are split, see `read_surface`.
+    """
+    surface, notes = read_surface(path, "the body", shape)
+    return *used_triangles(path, surface), notes
+
+
+def used_triangles(path: Path, surface: Surface) -> tuple[Float, Int]:
+    """Vertices (v, 3) of a surface that faces use, and faces (f, 3).
+
+    Raises InputError if there are none or some are not finite.
+    """
+    if not len(surface.faces):
+        raise InputError(
+            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
+            file=path,
+        )
+    used, renumbered = np.unique(surface.faces, return_inverse=True)
+    vertices = np.ascontiguousarray(surface.positions[used])
     bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(bad_rows):
         raise InputError(
@@ -146,45 +149,4 @@ def read_triangles(path: Path) -> tuple[Float, Int, tuple[str, ...]]:
             f"{used[bad_rows[0]]}); clean the mesh and export it again",
             file=path,
         )
-    return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32), notes
-
-
-def _read_with_trimesh(path: Path) -> tuple[Float, Int]:
-    """Vertices (v, 3) in file units and faces (f, 3) of all meshes of a scene, placed as its nodes say."""
-    # skip_materials: textures are of no use here, and a missing one must not stop a drape.
-    options: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() == ".obj" else {}
-    try:
-        scene = trimesh.load_scene(path, process=False, **options)
-    except Exception as error:  # trimesh raises whatever its parsers stumble over
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"{path}: cannot be read as a mesh ({reason}); export the body again", file=path
-        ) from error
-
-    corners: list[Float] = []
-    triangles: list[Int] = []
-    count = 0
-    for node in sorted(scene.graph.nodes_geometry):
-        transform, geometry_name = scene.graph[node]
-        mesh = scene.geometry[geometry_name]
-        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
-            continue
-        local = np.asarray(mesh.vertices, dtype=np.float64)
-        identity = np.array_equal(transform, np.eye(4))
-        # Files without transforms keep their coordinates bit by bit.
-        placed = local if identity else local @ transform[:3, :3].T + transform[:3, 3]
-        face = np.asarray(mesh.faces, dtype=np.int64)
-        if np.linalg.det(transform[:3, :3]) < 0.0:
-            face = face[:, ::-1]
-        corners.append(placed)
-        triangles.append((face + count).astype(np.int32))
-        count += len(placed)
-    if not triangles:
-        raise InputError(
-            f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
-            file=path,
-        )
-
-    vertices, faces = np.concatenate(corners), np.concatenate(triangles)
-    check_vertex_numbers(path, faces, len(vertices), "export the body again")
-    return vertices, faces
+    return vertices, np.ascontiguousarray(renumbered.reshape(-1, 3), dtype=np.int32)

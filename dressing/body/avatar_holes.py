@@ -6,8 +6,8 @@ from scipy.spatial import cKDTree
 
 from toile.geometry.arrays import Float, Int
 
-LARGEST_CURVED_LOOP = 400
-"""Longest non-planar loop [edges] that is filled; the search is cubic in the number of edges."""
+LONGEST_SEARCHED, PIECE = 400, 128
+"""Longest loop [edges] whose best patch is searched, at cubic cost, and of the pieces of longer ones."""
 
 PLANAR_SPREAD = 0.02
 """A loop this flat, relative to its size, is capped in its plane."""
@@ -20,8 +20,12 @@ def boundary_loops(faces: Int) -> list[Int]:
     """
     start, end = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel().astype(np.int64)
     span = int(faces.max()) + 1
-    lone = ~np.isin(start * span + end, end * span + start)
-    following = dict(zip(end[lone].tolist(), start[lone].tolist(), strict=True))
+    # Where a third face hangs on an edge, one way along it comes twice and the other once.
+    ways, times = np.unique(np.concatenate([start * span + end, end * span + start]), return_inverse=True)
+    excess = np.bincount(times[: len(start)], minlength=len(ways))
+    excess -= np.bincount(times[len(start) :], minlength=len(ways))
+    lone = ways[excess > 0]
+    following = dict(zip((lone % span).tolist(), (lone // span).tolist(), strict=True))
     loops: list[Int] = []
     while following:
         first, vertex = following.popitem()
@@ -35,11 +39,12 @@ def boundary_loops(faces: Int) -> list[Int]:
     return sorted(loops, key=lambda loop: int(loop[0]))
 
 
-def fill_loop(points: Float) -> Int | None:
-    """Triangles (t, 3) into the loop's points [m] that close it; None if there is no clean way.
+def fill_loop(points: Float) -> Int:
+    """Triangles (t, 3) into the loop's points [m] that close it.
 
     Flat loops are triangulated in their plane; curved ones get the patch of least area (dynamic
-    programming over all triangulations, Barequet and Sharir 1995).
+    programming over all triangulations, Barequet and Sharir 1995). Very long ones are cut in two by the
+    shortest chord between parts of at least a third, and again.
     """
     count = len(points)
     if count == 3:
@@ -47,7 +52,32 @@ def fill_loop(points: Float) -> Int | None:
     flat = _fill_flat(points)
     if flat is not None:
         return flat
-    return _fill_least_area(points) if count <= LARGEST_CURVED_LOOP else None
+    if count <= LONGEST_SEARCHED:
+        return _fill_least_area(points)
+    return np.concatenate([loop[_fill_least_area(points[loop])] for loop in _pieces(points)])
+
+
+def _pieces(points: Float) -> list[Int]:
+    """Loops of at most PIECE corners, as numbers of points, that share chords and make up a long loop."""
+    waiting = [np.arange(len(points), dtype=np.int32)]
+    pieces: list[Int] = []
+    while waiting:
+        loop = waiting.pop()
+        count = len(loop)
+        if count <= PIECE:
+            pieces.append(loop)
+            continue
+        least, best = np.inf, (0, count // 2)
+        for start in range(count - count // 3):
+            ends = np.arange(start + count // 3, min(start + count - count // 3, count - 1) + 1)
+            if len(ends):
+                length = np.linalg.norm(points[loop[ends]] - points[loop[start]], axis=1)
+                nearest = int(length.argmin())
+                if length[nearest] < least:
+                    least, best = float(length[nearest]), (start, int(ends[nearest]))
+        start, end = best
+        waiting += [loop[start : end + 1], np.concatenate([loop[: start + 1], loop[end:]])]
+    return pieces
 
 
 def _fill_flat(points: Float) -> Int | None:

@@ -101,13 +101,8 @@ def _closed_parts(
         points_closed, triangles_closed = points, triangles
         loops = boundary_loops(triangles)
         for loop in loops:
-            patch = fill_loop(points[loop])
-            if patch is None:
-                raise InputError(
-                    f"{file_name}: the hole of {len(loop)} edges at {describe_places(points[loop])} "
-                    "cannot be closed by a clean cap; close it in a mesh editor"
-                )
-            triangles_closed = np.concatenate([triangles_closed, loop[patch].astype(np.int32)])
+            patch = loop[fill_loop(points[loop])].astype(np.int32)
+            triangles_closed = np.concatenate([triangles_closed, patch])
         volume = _volume(points_closed - centre, triangles_closed)
         if abs(volume) < SMALLEST_VOLUME:
             sheets += 1

@@ -115,6 +115,12 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
     )
     dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a moving BODY")
+    dress.add_argument(
+        "--time", type=float, metavar="S", help="dress a moving BODY as it stands at S seconds"
+    )
+    dress.add_argument(
+        "--clip", metavar="NAME", help="animation of a .glb or .gltf BODY (default: the first)"
+    )
     dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
     dress.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
     dress.add_argument(
@@ -225,12 +231,18 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
-    if options.avatar is None and (options.units or options.up or options.fps):
+    reading = {
+        name: value
+        for name in ("units", "up", "fps", "time", "clip")
+        if (value := getattr(options, name)) is not None
+    }
+    if options.avatar is None and reading:
         raise InputError(
-            "--units, --up and --fps describe the file of --avatar, which is missing", field="--avatar"
+            "--units, --up, --fps, --time and --clip describe the file of --avatar, which is missing",
+            field="--avatar",
         )
     if options.avatar is not None:
-        given["avatar"] = AvatarFile(path=options.avatar, units=options.units, up=options.up, fps=options.fps)
+        given["avatar"] = AvatarFile(path=options.avatar, **reading)
     garments = tuple(Garment(source) for source in options.garment)
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:

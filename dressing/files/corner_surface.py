@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from toile.dressing.files.polygon_split import split_polygons
 from toile.geometry.arrays import Float, Int
 
 
@@ -46,8 +48,17 @@ class Surface:
         uv: Float,
         uv_corners: Sequence[Sequence[int]],
         panel: Int,
+        shape: Float | None = None,
     ) -> "Surface":
-        """Return the surface with quads split along their better diagonal and larger polygons as fans."""
+        """Return the surface with its polygons split into triangles.
+
+        Quads are split along their better diagonal, larger polygons as `split_polygons` does; triangles are
+        listed in the order of the polygons. Where the positions of `shape` are given, they decide the split:
+        those of the first of many frames, so that all have the same triangles.
+        """
+        places = positions
+        if shape is not None and shape.shape == positions.shape:
+            places = shape
         sizes = np.array([len(face) for face in corners], dtype=np.int64)
         pieces: list[tuple[Int, Int, Int]] = []
         for size in np.unique(sizes).tolist():
@@ -55,11 +66,17 @@ class Surface:
             nodes = np.array([corners[i] for i in which.tolist()], dtype=np.int32)
             texture = np.array([uv_corners[i] for i in which.tolist()], dtype=np.int32)
             if size == 4:
-                turned = split_from_second(positions, nodes)
+                turned = split_from_second(places, nodes)
                 nodes[turned] = np.roll(nodes[turned], -1, axis=1)
                 texture[turned] = np.roll(texture[turned], -1, axis=1)
-            for k in range(1, size - 1):
-                pieces.append((which, nodes[:, [0, k, k + 1]], texture[:, [0, k, k + 1]]))
+            if size <= 4:
+                ears = np.array([[0, k, k + 1] for k in range(1, size - 1)], np.int32).reshape(-1, 3)
+                split = np.broadcast_to(ears, (len(nodes), *ears.shape))
+            else:
+                split = split_polygons(places[nodes])
+            row = np.arange(len(nodes))[:, None]
+            for k in range(split.shape[1]):
+                pieces.append((which, nodes[row, split[:, k]], texture[row, split[:, k]]))
         if not pieces:
             pieces = [(np.empty(0, np.int32), np.empty((0, 3), np.int32), np.empty((0, 3), np.int32))]
         source = np.concatenate([piece[0] for piece in pieces])
@@ -77,6 +94,26 @@ class Surface:
     def with_panel_names(self, names: tuple[str, ...]) -> "Surface":
         """Return the same surface with its groups named; one unnamed group becomes "garment"."""
         return replace(self, panel_names=tuple(name or "garment" for name in names) or ("garment",))
+
+
+def triangle_surface(positions: Float, faces: Int) -> Surface:
+    """Return triangles without texture, (t, 3), on positions, (n, 3), as a surface of one panel."""
+    return Surface(
+        positions=positions,
+        faces=faces,
+        uv=np.empty((0, 2)),
+        uv_faces=np.full(faces.shape, -1, np.int32),
+        panel=np.zeros(len(faces), np.int32),
+        panel_names=("garment",),
+        file_face=np.arange(len(faces), dtype=np.int32),
+    )
+
+
+class MeshFile(NamedTuple):
+    """The surface that a file holds, in its units, and what was noticed, one sentence each."""
+
+    surface: Surface
+    notes: tuple[str, ...]
 
 
 def split_from_second(positions: Float, quads: Int) -> Int:

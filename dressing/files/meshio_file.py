@@ -10,11 +10,11 @@ from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from toile.dressing.files.corner_surface import Surface
+from toile.dressing.files.corner_surface import MeshFile, Surface
 from toile.dressing.files.volume_skin import CELL_FACES, Cells, Polygons, cell_faces, skin, without
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -30,14 +30,7 @@ PHYSICAL, PANEL = "gmsh:physical", "panel"
 """Cell data that group faces: Gmsh's and our own."""
 
 
-class MeshFile(NamedTuple):
-    """The surface that a file holds, in its units, and what was noticed, one sentence each."""
-
-    surface: Surface
-    notes: tuple[str, ...]
-
-
-def read_mesh_file(path: Path, what: str) -> MeshFile:
+def read_mesh_file(path: Path, what: str, shape: Float | None = None) -> MeshFile:
     """Return the surface of a file of one of FORMATS.
 
     Groups of cells become panels: Gmsh's physical surfaces, Abaqus' element sets, or cell data called
@@ -49,6 +42,8 @@ def read_mesh_file(path: Path, what: str) -> MeshFile:
         The file.
     what
         What it holds, for messages: "the body", say.
+    shape
+        Positions by which polygons are split, or None for the file's own; see `Surface.from_polygons`.
 
     Raises
     ------
@@ -76,6 +71,7 @@ def read_mesh_file(path: Path, what: str) -> MeshFile:
         uv=uv,
         uv_corners=corners if len(uv) else [[-1] * len(corner) for corner in corners],
         panel=panel,
+        shape=shape,
     )
     surface = _without_collapsed(surface, np.array([len(corner) for corner in corners]))
     surface = replace(surface, file_face=cell[surface.file_face].astype(np.int32))

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -14,8 +13,8 @@ def npz_arrays(path: Path, what: str) -> dict[str, Any]:
     try:
         with np.load(path, allow_pickle=False) as data:
             return {name: data[name] for name in data.files}
-    except (OSError, ValueError, BadZipFile, KeyError) as error:
-        reason = " ".join(str(error).split())
+    except Exception as error:  # NumPy and zipfile raise whatever they stumble over
+        reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"{path}: cannot be read as .npz ({reason}); export {what} again", file=path
         ) from None

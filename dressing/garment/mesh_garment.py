@@ -2,25 +2,22 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import trimesh
 from scipy.sparse import csr_array
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.avatar_units import METRES_PER_UNIT, upright
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
-from toile.dressing.files.meshio_file import read_mesh_file
-from toile.dressing.files.read_obj import read_obj
-from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
+from toile.dressing.files.read_surface import read_surface
+from toile.dressing.files.surface_check import checked_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_subdivision import subdivide
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
-from toile.geometry.errors import InputError
+from toile.geometry.errors import InputError, about
 from toile.remesh.adapt.transfer import descent
 
 FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz", *MESHIO_FORMATS)
@@ -45,8 +42,9 @@ def read_mesh_garment(
     Parameters
     ----------
     path
-        The file. Groups (OBJ), objects (GLB) and groups of cells (see `read_mesh_file`) become panels. For
-        .npz see `read_npz_garment`: it says more about a garment than meshes can, in metres and with Y up.
+        The file. Groups (OBJ), objects and materials (GLB, as it stands at rest) and groups of cells (see
+        `read_mesh_file`) become panels. For .npz see `read_npz_garment`: it says more about a garment than
+        meshes can, in metres and with Y up.
     name
         Name of the garment; None takes the file's.
     units, up
@@ -68,17 +66,13 @@ def read_mesh_garment(
         raise InputError(
             f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}", file=path
         )
-    if not path.is_file():
-        raise InputError(f"{path}: garment file not found; check the path", file=path)
     if path.suffix.lower() == ".npz":
+        if not path.is_file():
+            raise InputError(f"{path}: garment file not found; check the path", file=path)
         from toile.dressing.garment.npz_garment import read_npz_garment
 
         return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
-    notes: tuple[str, ...] = ()
-    if path.suffix.lower() in MESHIO_FORMATS:
-        surface, notes = read_mesh_file(path, "the garment")
-    else:
-        surface = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_trimesh(path)
+    surface, notes = read_surface(path, "the garment")
     if not len(surface.faces):
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
     bad = np.flatnonzero(~np.isfinite(surface.positions).all(axis=1))
@@ -88,12 +82,16 @@ def read_mesh_garment(
         )
     metres = _in_metres(path, surface.positions, units, up, avatar)
     surface = checked_surface(path, replace(surface, positions=metres))
-    garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
+    with about(file=path):
+        garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
     return replace(garment, notes=notes)
 
 
 def garment_from_surface(surface: Surface, *, name: str, edge_length: float | None = None) -> GarmentMesh:
-    """Return the garment whose rest shape is a checked surface [m], refined to an edge length [m]."""
+    """Return the garment whose rest shape is a checked surface [m], refined to an edge length [m].
+
+    Raises InputError if that takes more triangles than any garment has.
+    """
     has_uv = len(surface.uv) > 0 and bool((surface.uv_faces >= 0).all())
     uv_faces = surface.uv_faces if has_uv else surface.faces
     span = int(uv_faces.max()) + 1
@@ -104,9 +102,12 @@ def garment_from_surface(surface: Surface, *, name: str, edge_length: float | No
     positions, panel, face = surface.positions, surface.panel, surface.file_face
     births: list[Int] = []
     if edge_length is not None:
-        positions, uv, node, faces, parent, births = subdivide(
-            positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
-        )
+        try:
+            positions, uv, node, faces, parent, births = subdivide(
+                positions, uv, node, faces, longest=SPLIT_ABOVE * edge_length
+            )
+        except InputError as error:
+            raise error.at(f"garment '{name}'", garment=name) from None
         panel, face = panel[parent], face[parent]
     corners = positions[node[faces]]
     stitches = _same_node_pairs(node)
@@ -222,48 +223,3 @@ def _misfit(garment: Float, body: Float) -> float:
     size = float(np.linalg.norm(high - low))
     ratio = max(float(np.linalg.norm(np.ptp(garment, axis=0))), 1e-12) / size
     return float(abs(np.log(ratio / 0.5)) + 5.0 * np.linalg.norm(outside) / size)
-
-
-def _read_with_trimesh(path: Path) -> Surface:
-    """Return the surface of a PLY or GLB file, nodes still split along texture seams."""
-    try:
-        scene = trimesh.load_scene(path, process=False)
-    except Exception as error:  # trimesh raises whatever its parsers stumble over
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"{path}: cannot be read as a mesh ({reason}); export the garment again", file=path
-        ) from error
-    positions: list[Float] = []
-    faces: list[npt.NDArray[np.int64]] = []
-    uvs: list[Float] = []
-    panels: list[Int] = []
-    names: list[str] = []
-    count = 0
-    for node_name in sorted(scene.graph.nodes_geometry):
-        transform, geometry_name = scene.graph[node_name]
-        mesh: Any = scene.geometry[geometry_name]
-        if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
-            continue
-        local = np.asarray(mesh.vertices, dtype=np.float64)
-        uv = getattr(mesh.visual, "uv", None)
-        positions.append(local @ transform[:3, :3].T + transform[:3, 3])
-        faces.append(np.asarray(mesh.faces, dtype=np.int64) + count)
-        uvs.append(np.full((len(local), 2), np.nan) if uv is None else np.asarray(uv, dtype=np.float64))
-        panels.append(np.full(len(mesh.faces), len(names), dtype=np.int32))
-        names.append(str(node_name))
-        count += len(local)
-    if not faces:
-        raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
-    triangles = np.concatenate(faces)
-    check_vertex_numbers(path, triangles, count, "repair the mesh")
-    uv_all = np.concatenate(uvs)
-    textured = bool(np.isfinite(uv_all).all())
-    return Surface(
-        positions=np.concatenate(positions),
-        faces=triangles.astype(np.int32),
-        uv=uv_all if textured else np.empty((0, 2)),
-        uv_faces=triangles.astype(np.int32) if textured else np.full(triangles.shape, -1, dtype=np.int32),
-        panel=np.concatenate(panels),
-        panel_names=tuple(names) if len(names) > 1 else ("garment",),
-        file_face=np.arange(len(triangles), dtype=np.int32),
-    )

@@ -4,8 +4,11 @@ import numpy as np
 import numpy.typing as npt
 
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.errors import InputError
 
 Int64 = npt.NDArray[np.int64]
+MOST_FACES = 1_000_000
+"""Triangles that a mesh may get: ten times those of a coat in edges of 5 mm."""
 
 
 def subdivide(
@@ -31,6 +34,11 @@ def subdivide(
     positions, uv, node, faces, parent, births
         The refined mesh, the original face of every face, and round by round, in the order of their numbers,
         the two material vertices between which each new one lies, shape (k, 2).
+
+    Raises
+    ------
+    InputError
+        If that would take more than MOST_FACES triangles.
     """
     parent = np.arange(len(faces), dtype=np.int32)
     births: list[Int] = []
@@ -49,6 +57,11 @@ def subdivide(
         rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
         largest = rank[edge].argmax(axis=1)
         _spread(marked, edge, edge[np.arange(len(edge)), largest])
+        if len(faces) + np.count_nonzero(marked[edge]) > MOST_FACES:
+            raise InputError(
+                f"the mesh is {np.ptp(positions, axis=0).max():.3g} m large, too large for edges of "
+                f"{longest:.3g} m; check its units"
+            )
         middle = np.full(len(keys), -1, dtype=np.int64)
         middle[marked] = len(positions) + np.arange(np.count_nonzero(marked))
         positions = np.concatenate([positions, 0.5 * (positions[start[marked]] + positions[end[marked]])])

@@ -38,6 +38,12 @@ SHAPES = {
     "pins": (None,), "pin_stiffness": (), "stitches": (None, 2), "motion": (None, None, 3), "fps": (),
 }  # fmt: skip
 
+WHOLE: dict[str, tuple[str | None, str | None]] = {
+    "faces": (None, "vertices"), "uv_faces": ("faces", "uv"), "panel": ("faces", None),
+    "polygon": ("faces", None), "stitches": (None, "vertices"),
+}  # fmt: skip
+"""Arrays of whole numbers: the array that has as many rows, and the one whose rows they number."""
+
 
 def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None) -> GarmentMesh:
     """Return the garment of an .npz file [m], Y up.
@@ -149,7 +155,35 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(
             f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path, field="faces"
         )
+    for name in held:
+        if name in WHOLE or name.startswith(HELD):
+            held[name] = _whole_numbers(path, name, held)
+    fps = held.get("fps")
+    if fps is not None and not 0.0 < float(fps) < np.inf:
+        raise InputError(f"{path}: fps must be greater than zero, got {fps}", file=path, field="fps")
     return held
+
+
+def _whole_numbers(path: Path, name: str, held: dict[str, Any]) -> Any:
+    """Return an array as whole numbers. Raises InputError if some are not, or name rows that do not exist."""
+    array = held[name]
+    if array.dtype.kind == "f" and not np.array_equal(array, np.rint(array)):
+        raise InputError(f"{path}: `{name}` must hold whole numbers", file=path, field=name)
+    rows, of = WHOLE.get(name, (None, "vertices"))
+    if rows is not None and len(array) != len(held[rows]):
+        raise InputError(
+            f"{path}: `{name}` has {len(array)} rows, but `{rows}` has {len(held[rows])}",
+            file=path,
+            field=name,
+        )
+    if name == "faces":
+        # Named by the face, with the other kinds of meshes.
+        return array.astype(np.int64)
+    most = np.iinfo(np.int32).max if of is None else len(held[of])
+    if array.size and not (array.min() >= 0 and array.max() < most):
+        what = "too large a number" if of is None else f"a row of `{of}` that does not exist"
+        raise InputError(f"{path}: `{name}` has a negative number, or {what}", file=path, field=name)
+    return array.astype(np.int64)
 
 
 def _pins(path: Path, held: dict[str, Any]) -> Float:

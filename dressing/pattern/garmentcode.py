@@ -6,6 +6,7 @@ stitch can be sewn. What is wrong is named with file, panel and edge.
 
 import json
 import math
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, get_args
@@ -99,7 +100,7 @@ def check_pattern(pattern: Pattern) -> None:
 
 def _load(path: Path) -> Mapping[str, Any]:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such pattern file; check the path", file=path) from None
     except (OSError, UnicodeDecodeError) as error:
@@ -120,8 +121,11 @@ def _mapping(value: Any, what: str, advice: str) -> Mapping[str, Any]:
 
 
 def _number(value: Any, what: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{what} must be a finite number, got {value!r}")
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    # NaN is not less than anything, and some whole numbers are too large for a float.
+    if not is_number or not abs(value) <= sys.float_info.max:
+        shown = repr(value) if len(repr(value)) < 40 else f"{repr(value)[:36]}..."
+        raise InputError(f"{what} must be a finite number, got {shown}")
     return float(value)
 
 
@@ -185,6 +189,12 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
         warp_degrees=warp,
     )
     _check_outline(panel, where)
+    for i in range(len(edges)):
+        # A circle is three times as long as it is wide.
+        if not (length := edge_length(panel, i)) <= 4.0 * LARGEST_PANEL:
+            raise InputError(
+                f"{where}, edge {i} is {length:.3g} m long; check its curvature", field=f"edges.{i}.curvature"
+            )
     return panel
 
 

@@ -20,14 +20,26 @@ from toile.remesh.sizing.sizing import SizingOptions
 class AvatarFile:
     """A body still on disk, or one that moves: an .npz, an animated .glb or .gltf, or a folder of meshes.
 
-    Units ("m", "cm", "mm") and up axis ("y", "z") are recognised where None; frames per second are the file's
-    own or 24.
+    Attributes
+    ----------
+    path
+        The file or folder.
+    units, up
+        "m", "cm" or "mm", and "y" or "z"; recognised where None.
+    fps
+        Frames per second; None takes the file's own or 24.
+    time
+        Time of its motion at which it stands still [s], or None: it moves.
+    clip
+        Name of the animation of a glTF file; None takes the first.
     """
 
     path: Path
     units: str | None = None
     up: str | None = None
     fps: float | None = None
+    time: float | None = None
+    clip: str | None = None
 
     def __post_init__(self) -> None:
         """Accept a path that is a string."""

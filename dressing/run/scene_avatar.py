@@ -1,6 +1,6 @@
 """Loading of a scene's avatar."""
 
-from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar
+from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import Avatar, load_avatar
 from toile.dressing.run.scene import AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
@@ -24,14 +24,19 @@ def load_scene_avatar(source: AvatarSource) -> Avatar:
 
 
 def _read(file: AvatarFile) -> Avatar:
-    """Return the avatar of a file or folder, with its motion if it has one."""
+    """Return the avatar of a file or folder, with its motion if it has one and no time is given."""
     if is_animated(file.path):
-        return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps)
-    if file.fps is not None:
-        raise InputError(
-            f"{file.path}: fps is for an avatar that moves; give an .npz, an animated .glb or a folder "
-            "of meshes",
-            file=file.path,
-            field="fps",
-        )
+        if file.time is not None:
+            return load_posed_avatar(
+                file.path, time=file.time, units=file.units, up=file.up, fps=file.fps, clip=file.clip
+            )
+        return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps, clip=file.clip)
+    for field in ("fps", "time", "clip"):
+        if getattr(file, field) is not None:
+            raise InputError(
+                f"{file.path}: {field} is for an avatar that moves; give an .npz, an animated .glb or a "
+                "folder of meshes",
+                file=file.path,
+                field=field,
+            )
     return load_avatar(file.path, units=file.units, up=file.up)

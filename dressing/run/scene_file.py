@@ -86,6 +86,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
             "OBJ, PLY, STL, GLB, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb, folder",
         ),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
+        "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
+        "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
@@ -116,6 +118,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Table name to key to (accepted types, meaning)."""
+FILE_KEYS = ("units", "up", "fps", "time", "clip")
+"""Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
 
 
@@ -123,7 +127,7 @@ def load_scene(path: str | Path) -> Scene:
     """Return the scene of a TOML file. Raises InputError naming the file, its line and what to do."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such scene file; check the path", file=path) from None
     except (OSError, UnicodeDecodeError) as error:
@@ -269,7 +273,7 @@ class _SceneReader:
         self._check_keys(values, "avatar", ("avatar",))
         sizes = {key: values[key] for key in ("height", "chest", "waist", "hip") if key in values}
         if "file" not in values:
-            stray = next((key for key in ("units", "up", "fps") if key in values), None)
+            stray = next((key for key in FILE_KEYS if key in values), None)
             if stray:
                 raise self._error(("avatar", stray), f"{stray} needs a file in [avatar]")
             return MannequinSize(**sizes) if sizes else None
@@ -277,9 +281,8 @@ class _SceneReader:
             key = next(iter(sizes))
             raise self._error(("avatar", key), f"{key} sizes the built-in mannequin; remove it or file")
         return AvatarFile(
-            path=self._resolve(values["file"]), units=values.get("units"), up=values.get("up"),
-            fps=values.get("fps"),
-        )  # fmt: skip
+            path=self._resolve(values["file"]), **{key: values[key] for key in FILE_KEYS if key in values}
+        )
 
     def _garment(self, values: Any, place: tuple[str | int, ...], own: Mapping[str, Fabric]) -> Garment:
         """Return the garment of one [[garment]] table."""

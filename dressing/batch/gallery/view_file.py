@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from toile.dressing.files.gltf_file import GltfFile
+from toile.dressing.files.gltf.gltf_file import GltfFile
 from toile.dressing.files.writers.atomic import write_atomic
 
 STEPS = 65535

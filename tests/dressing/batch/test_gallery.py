@@ -16,7 +16,7 @@ from toile.dressing.batch.ledger import Entry, Ledger
 from toile.dressing.batch.outcome import Outcome
 from toile.dressing.batch.thumbnail import smaller, write_thumbnail
 from toile.dressing.body.avatar import Avatar
-from toile.dressing.files.gltf_file import GltfFile
+from toile.dressing.files.gltf.gltf_file import GltfFile
 from toile.dressing.files.writers.png import png_bytes, png_pixels
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.run.result import DressedGarment, dressed_glb

@@ -71,6 +71,8 @@ def test_lines_of_json(tmp_path: Path) -> None:
         (["name,garment,fabric", "a,tshirt,canvas;canvas"], "line 2: 2 fabrics for 1 garments"),
         (["name,garment", "a/b,tshirt"], "line 2: job name 'a/b': use letters"),
         (["name,garment"], "holds no jobs"),
+        (["name,garment", 'a,tshirt', '"a'], "number of cells"),
+        (['"name', 'garment"', "a"], "line 1: unknown column 'name garment'"),
         (["name,avatar", "a,body.obj"], "garment"),
     ],
 )  # fmt: skip
@@ -86,6 +88,10 @@ def test_mistakes_in_a_table(lines: list[str], message: str, tmp_path: Path) -> 
         ('{"garment": "tshirt", "colour": 1}', "line 1: unknown key 'colour'"),
         ('{"garment": ', "line 1: not valid JSON"),
         ('["tshirt"]', "line 1: must be a JSON object"),
+        ('{"garment": 3}', "line 1: garment must be a list of files"),
+        ('{"garment": ["tshirt", 3]}', "line 1: garment must be a list of files"),
+        ('{"garment": ["tshirt", 3], "fabric": "canvas"}', "line 1: garment must be a list of files"),
+        ('{"garment": "tshirt", "avatar": [1]}', "line 1: avatar must be a file or a table"),
         ('{"garment": [{"source": "tshirt", "pin": [1]}]}', "line 1: unknown key 'pin'; did you mean 'pins'"),
     ],
 )
@@ -117,6 +123,26 @@ def test_every_garment_on_every_body(tmp_path: Path) -> None:
     assert len({job.name for job in jobs}) == 12
     noted = JobGrid([str(tmp_path / "*")], ["tshirt"], [], {})
     assert noted.notes == [f"--avatars '{tmp_path}/*': 1 files of other kinds are left out"]
+
+
+def test_brackets_in_names_of_folders_and_files(tmp_path: Path) -> None:
+    """Where a name with brackets exists it is meant; else they are a set of signs."""
+    folder = tmp_path / "bodies [v2]"
+    folder.mkdir()
+    for name in ("a.ply", "b.ply", "c[1].ply", "c1.ply"):
+        write(folder / name, "x")
+    for pattern, names in {
+        "*.ply": ["a", "b", "c1", "c_1"],
+        "[ab].ply": ["a", "b"],
+        "c[1].ply": ["c_1"],
+        "?[1]*": ["c1"],
+        "[a]*": ["a"],
+        "a.ply": ["a"],
+    }.items():
+        jobs = JobGrid([str(folder / pattern)], ["tshirt"], [], {})
+        assert sorted(job.name.removesuffix("__tshirt") for job in jobs) == sorted(names)
+    wild = JobGrid([str(tmp_path / "b* [v2]" / "a.ply")], ["tshirt"], [], {})
+    assert [job.name for job in wild] == ["a__tshirt"]
 
 
 def test_nothing_matches(tmp_path: Path) -> None:

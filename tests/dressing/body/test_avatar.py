@@ -195,7 +195,6 @@ def test_holes_are_filled_and_said() -> None:
 def test_flat_concave_hole_is_capped_in_its_plane() -> None:
     loop = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [1, 0.5, 0], [0, 2, 0.0]])
     triangles = fill_loop(loop)
-    assert triangles is not None
     a, b, c = (loop[triangles[:, k]] for k in range(3))
     signed = 0.5 * np.cross(b - a, c - a)[:, 2]
     assert (signed > 0.0).all()
@@ -206,7 +205,6 @@ def test_curved_hole_gets_the_patch_of_least_area() -> None:
     # A square bent along one diagonal: of its two triangulations, one is smaller.
     loop = np.array([[0, 0, 0], [1, 0, 0.4], [1.5, 1.5, 0], [0, 1, 0.4]])
     triangles = fill_loop(loop)
-    assert triangles is not None
 
     def area(faces: Int) -> float:
         a, b, c = (loop[faces[:, k]] for k in range(3))
@@ -223,9 +221,31 @@ def test_boundary_loops_run_so_that_caps_agree_with_the_faces() -> None:
     closed = [opened]
     for loop in loops:
         patch = fill_loop(vertices[loop])
-        assert patch is not None
         closed.append(loop[patch])
     assert_closed_and_outward(vertices, np.concatenate(closed).astype(np.int32))
+
+
+def test_a_third_face_on_an_edge_leaves_the_loops_of_the_others_whole() -> None:
+    """A box with a corner of a face moved: three faces on an edge, and a hole beside it."""
+    corners = np.array([(x, y, z) for x in (-0.3, 0.3) for y in (0.0, 1.6) for z in (-0.15, 0.15)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    whole = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
+    for number in range(12):
+        for corner in range(3):
+            for other in range(8):
+                faces = np.array(whole, np.int32)
+                if other in faces[number]:
+                    continue
+                faces[number, corner] = other
+                try:
+                    vertices, found, _ = repaired_surface("box", corners, faces)
+                except InputError as error:
+                    assert "box: the " in str(error)
+                    continue
+                # A cap may come to lie on an edge that two faces share already.
+                ends = np.concatenate([found[:, [0, 1]], found[:, [1, 2]], found[:, [2, 0]]])
+                assert sorted(map(tuple, ends.tolist())) == sorted(map(tuple, ends[:, ::-1].tolist()))
+                assert volume(vertices, found) > 0.0
 
 
 def test_parts_are_united_and_inner_ones_vanish() -> None:
@@ -324,6 +344,22 @@ def _cross(a: Float, b: Float) -> bool:
             if 0.0 < t < 1.0 and u > 0.0 and v > 0.0 and u + v < 1.0:
                 return True
     return False
+
+
+@pytest.mark.parametrize("edges", [480, 900])
+def test_a_long_curved_hole_is_filled(edges: int) -> None:
+    """A tube with a flat bottom whose upper border is a wave of many edges."""
+    angle = 2.0 * np.pi * np.arange(edges) / edges
+    ring = np.column_stack([0.2 * np.cos(angle), np.zeros(edges), 0.15 * np.sin(angle)])
+    wave = ring + np.column_stack([0.0 * angle, 1.5 + 0.05 * np.sin(3.0 * angle), 0.0 * angle])
+    i, j = np.arange(edges), (np.arange(edges) + 1) % edges
+    sides = np.concatenate([np.stack([i, i + edges, j], 1), np.stack([j, i + edges, j + edges], 1)])
+    vertices, faces, notes = repaired_surface("tube", np.concatenate([ring, wave]), sides.astype(np.int32))
+    assert_closed_and_outward(vertices, faces)
+    assert len(faces) == 2 * edges + 2 * (edges - 2)
+    assert volume(vertices, faces) == pytest.approx(1.5 * np.pi * 0.2 * 0.15, rel=2e-3)
+    assert any(f"2 holes of {edges} to {edges} edges filled" in note for note in notes)
+    assert not any("crosses itself" in note for note in notes)
 
 
 def test_a_scene_of_moved_and_mirrored_parts_is_placed(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ class Glb:
         self.data += b"\0" * (-len(self.data) % 4)
         view = self.add("bufferViews", buffer=0, byteOffset=len(self.data), byteLength=array.nbytes)
         self.data += array.tobytes()
-        kinds = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+        kinds = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
         return self.add(
             "accessors",
             **{

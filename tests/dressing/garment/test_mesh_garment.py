@@ -104,6 +104,15 @@ def test_vertices_split_by_exporters_grow_together(tmp_path: Path, extension: st
     assert len(welded.faces) == 48
 
 
+@pytest.mark.parametrize("height", [3.0, 100.0])
+def test_a_mesh_of_wrong_units_is_not_split_for_ever(tmp_path: Path, height: float) -> None:
+    """A sliver and a wall of kilometres."""
+    path = write(tmp_path, f"v 0 0 0\nv 100000 0 0\nv 100000 {height} 0\nf 1 2 3\n", "wall.obj")
+    with pytest.raises(InputError, match=r"garment 'wall': the mesh is 1e\+05 m large.*units") as caught:
+        read_mesh_garment(path, units="m", edge_length=0.01)
+    assert caught.value.file == path and caught.value.garment == "wall"
+
+
 def test_concave_quads_are_split_inside(tmp_path: Path) -> None:
     dart = "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 2 1\n"
     one = read_mesh_garment(write(tmp_path, dart.replace("f 4 3 2 1\n", "")))

@@ -190,6 +190,16 @@ def test_pins_that_give_way_are_led(tmp_path: Path) -> None:
         ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pins": [0.0, 1.5, 0.0]}, "weight between 0 and 1"),
         ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pins": [1.0]}, "for every vertex"),
         ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "pin_stiffness": -1.0}, "between 0 and 1e"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2.5]]}, "`faces` must hold whole numbers"),
+        (
+            {"vertices": np.eye(3), "faces": [[0, 1, 2]], "uv": np.eye(2), "uv_faces": [[0, 1, 2]]},
+            "`uv_faces` has a negative number, or a row of `uv` that does not exist",
+        ),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "panel": [0, 1]}, "`panel` has 2 rows, but"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "panel": [-1]}, "`panel` has a negative number"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "stitches": [[0, 3]]}, "row of `vertices` that"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "held_hem": [3]}, "`held_hem` has a neg"),
+        ({"vertices": np.eye(3), "faces": [[0, 1, 2]], "fps": 0.0}, "fps must be greater than zero"),
     ],
 )  # fmt: skip
 def test_mistakes_are_named(arrays: dict[str, Any], message: str, tmp_path: Path) -> None:

@@ -76,6 +76,34 @@ def test_units_placement_labels(tmp_path: Path) -> None:
         pattern.panel("middle")
 
 
+def test_a_byte_order_mark_is_no_part_of_the_pattern(tmp_path: Path) -> None:
+    path = tmp_path / "marked_specification.json"
+    path.write_text(json.dumps(two_squares()), encoding="utf-8-sig")
+    assert [panel.name for panel in read_garmentcode(path).panels] == ["left", "right"]
+
+
+@pytest.mark.parametrize("number", [10**400, -(10**400), float("nan"), float("inf"), True, "1"])
+def test_numbers_that_no_pattern_has_are_named(number: Any, tmp_path: Path) -> None:
+    document = two_squares()
+    document["pattern"]["panels"]["left"]["translation"] = [number, 100, 10]
+    path = tmp_path / "odd_specification.json"
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"panel 'left'.*must be a finite number") as caught:
+        read_garmentcode(path)
+    assert len(str(caught.value)) < 200
+
+
+def test_edges_that_run_far_away_are_named(tmp_path: Path) -> None:
+    document = two_squares()
+    curve = {"type": "quadratic", "params": [[0.5, 1e6]]}
+    document["pattern"]["panels"]["left"]["edges"][2]["curvature"] = curve
+    path = tmp_path / "odd_specification.json"
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match="panel 'left'") as caught:
+        read_garmentcode(path)
+    assert caught.value.file == path
+
+
 def test_rotation_is_about_x_then_y_then_z(tmp_path: Path) -> None:
     panel = Panel(name="p", vertices=((0, 0), (1, 0), (0, 1)), edges=(), rotation_degrees=(90.0, 0.0, 90.0))
     # (0, 1) turns about x to +z, which the turn about z leaves alone; (1, 0) turns about z to +y.

@@ -65,6 +65,16 @@ def test_every_key_arrives(tmp_path: Path) -> None:
     assert scene.fabrics["my denim"].areal_density == 0.36
 
 
+def test_a_body_that_moves_is_taken_at_a_time_of_a_clip(tmp_path: Path) -> None:
+    """The file begins with the mark that some editors write."""
+    text = '[avatar]\nfile = "eve.glb"\ntime = 2\nclip = "walk"\n[[garment]]\nsource = "tshirt"\n'
+    scene = load_scene(write(tmp_path, "\ufeff" + text))
+    assert scene.avatar == AvatarFile(path=tmp_path / "eve.glb", time=2, clip="walk")
+    with pytest.raises(InputError, match="line 2: clip needs a file") as caught:
+        load_scene(write(tmp_path, '[avatar]\nclip = "walk"\n[[garment]]\nsource = "tshirt"\n'))
+    assert caught.value.field == "avatar.clip"
+
+
 def test_mannequin_sizes_and_defaults(tmp_path: Path) -> None:
     scene = load_scene(write(tmp_path, '[[garment]]\nsource = "tshirt"\n[avatar]\nheight = 1.8\n'))
     assert scene.avatar == MannequinSize(height=1.8)

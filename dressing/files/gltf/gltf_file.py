@@ -7,6 +7,8 @@ import base64
 import binascii
 import json
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, unquote_to_bytes
@@ -25,9 +27,22 @@ UNREADABLE = {
     "KHR_draco_mesh_compression": "without Draco compression",
     "EXT_meshopt_compression": "without meshopt compression",
     "KHR_meshopt_compression": "without meshopt compression",
-    "EXT_mesh_gpu_instancing": "without instancing",
 }
 """Extensions that change where vertices are and are not read, to how to export instead."""
+MOST_ZEROS = 10_000_000
+"""Rows of an accessor that holds no numbers of its own but zeros; no file backs them."""
+
+
+@contextmanager
+def checked_shape(path: Path) -> Iterator[None]:
+    """Turn what comes of JSON of any other shape than glTF's into InputError."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(f"{path}: is not valid glTF ({reason}); export it again", file=path) from error
 
 
 def has_animation(path: Path) -> bool:
@@ -64,24 +79,35 @@ class GltfFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         if not path.is_file():
-            raise InputError(f"{path}: avatar file not found; check the path", file=path)
+            raise InputError(f"{path}: file not found; check the path", file=path)
         data = path.read_bytes()
         text, self._chunk = self._chunks(data) if data[:4] == MAGIC else (data, None)
         try:
             self.content: dict[str, Any] = json.loads(text)
             version = str(self.content["asset"]["version"])
         except (ValueError, RecursionError, KeyError, TypeError) as error:
-            raise self.error(f"its JSON cannot be read ({error})") from None
+            raise self.error(f"cannot be read as a mesh (its JSON: {error})") from None
         if not version.startswith("2"):
             raise self.error(f"is glTF {version}; export it as glTF 2.0", "")
         for name in self.content.get("extensionsRequired", ()):
             if name in UNREADABLE:
-                raise self.error(f"needs {name}, which is not read; export it {UNREADABLE[name]}", "")
+                raise self.unreadable(name)
         self._buffers: dict[int, bytes] = {}
 
     def error(self, what: str, remedy: str = "; export it again") -> InputError:
         """Return the error that names the file."""
         return InputError(f"{self.path}: {' '.join(what.split())}{remedy}", file=self.path)
+
+    def unreadable(self, extension: str) -> InputError:
+        """Return the error that names an extension of UNREADABLE and what to do."""
+        return self.error(f"needs {extension}, which is not read; export it {UNREADABLE[extension]}", "")
+
+    def refuse_compression(self, primitive: dict[str, Any]) -> None:
+        """Raise InputError if the positions of a primitive lie in an extension that is not read only."""
+        accessor = self.entry("accessors", primitive["attributes"]["POSITION"])
+        for name in primitive.get("extensions", ()):
+            if name in UNREADABLE and "bufferView" not in accessor:
+                raise self.unreadable(name)
 
     def entry(self, kind: str, index: Any) -> dict[str, Any]:
         """Entry of a list of the JSON, such as accessors[7]. Raises InputError if there is none."""
@@ -91,11 +117,15 @@ class GltfFile:
         found: dict[str, Any] = entries[index]
         return found
 
-    def numbers(self, index: Any, kind: str) -> Float:
+    def size_of(self, index: Any) -> int:
+        """Return the number of rows of an accessor."""
+        return self._size(self.entry("accessors", index), "count", f"accessors[{index}]")
+
+    def numbers(self, index: Any, kind: str, *, finite: bool = True) -> Float:
         """Return the numbers of an accessor, shape (count, width); normalised integers as fractions.
 
         `kind` is the type it must have, such as "VEC3". Raises InputError if it has another, reads outside
-        its buffer or is not finite.
+        its buffer, or where numbers must be `finite` and are not.
         """
         accessor = self.entry("accessors", index)
         place = f"accessors[{index}]"
@@ -107,8 +137,10 @@ class GltfFile:
         count, width = self._size(accessor, "count", place), WIDTHS[kind]
         if "bufferView" in accessor:
             raw = self._read(accessor, dtype, count, width, place).copy()
-        else:
+        elif count <= MOST_ZEROS:
             raw = np.zeros((count, width), dtype)
+        else:
+            raise self.error(f"{place} has {count} rows, but no bufferView")
         if "sparse" in accessor:
             sparse, place = accessor["sparse"], f"{place}.sparse"
             few = self._size(sparse, "count", place)
@@ -120,7 +152,7 @@ class GltfFile:
         values = raw.astype(np.float64)
         if accessor.get("normalized") and dtype.kind != "f":
             values = np.maximum(values / np.iinfo(dtype).max, -1.0)
-        if not np.isfinite(values).all():
+        if finite and not np.isfinite(values).all():
             raise self.error(f"{place} holds NaN or infinite numbers")
         return values
 
@@ -137,6 +169,10 @@ class GltfFile:
         if not chunks or chunks[0][0] != b"JSON":
             raise self.error("the file has no JSON chunk")
         return chunks[0][1], chunks[1][1] if len(chunks) > 1 and chunks[1][0] == b"BIN\0" else None
+
+    def _has_bytes(self, index: Any) -> bool:
+        """Whether a buffer holds bytes; what decoders are to fill need not."""
+        return "uri" in self.entry("buffers", index) or (index == 0 and self._chunk is not None)
 
     def _buffer(self, index: Any) -> bytes:
         """Bytes of a buffer: the binary chunk, a data: URI or a file beside this one."""
@@ -180,6 +216,9 @@ class GltfFile:
         """Return rows of numbers where an accessor's or sparse part's entry says, shape (count, width)."""
         view = self.entry("bufferViews", entry["bufferView"])
         name = f"bufferViews[{entry['bufferView']}]"
+        for extension in view.get("extensions", ()):
+            if extension in UNREADABLE and not self._has_bytes(view["buffer"]):
+                raise self.unreadable(extension)
         data = self._buffer(view["buffer"])
         begin, size = self._size(view, "byteOffset", name, 0), self._size(view, "byteLength", name)
         if begin + size > len(data):

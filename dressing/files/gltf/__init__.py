@@ -1,0 +1,1 @@
+"""glTF files: what they hold, and where their nodes, bones and morph targets put it."""

@@ -1,0 +1,65 @@
+"""Reads the motion of a glTF file: what an animation does to the vertices, at regular times."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from toile.dressing.files.gltf.gltf_clip import STAND_STILL, Clip, read_clip
+from toile.dressing.files.gltf.gltf_file import GltfFile, checked_shape
+from toile.dressing.files.gltf.gltf_pieces import gltf_pieces
+from toile.dressing.files.gltf.gltf_scene import GltfScene
+from toile.geometry.arrays import Float, Int
+
+STILL = 1e-6
+"""Motion below this share of the size of the body is none: positions are single precision."""
+MOST_FRAMES = 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledGltf:
+    """Vertices over time in file units, shape (k, v, 3), faces, shape (f, 3), and a note on what was read."""
+
+    frames: npt.NDArray[np.float32]
+    faces: Int
+    note: str
+
+
+def read_animated_gltf(path: Path, fps: float, clip: str | None = None) -> SampledGltf:
+    """Return all triangles of the default scene, from the first to the last key of an animation.
+
+    `clip` names the animation; None takes the first. Vertices that no triangle uses are dropped. Raises
+    InputError naming what is broken, unsupported or missing, and what to do.
+    """
+    with checked_shape(path):
+        file = GltfFile(path)
+        animation = read_clip(file, clip)
+        times = _times(file, animation, fps)
+        pieces = gltf_pieces(GltfScene(file, times, animation.channels), np.float32)
+        starts = np.cumsum([0, *(piece.frames.shape[1] for piece in pieces)])
+        faces = np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)])
+        used, corners = np.unique(faces, return_inverse=True)
+        frames = np.concatenate([piece.frames for piece in pieces], axis=1)[:, used].astype(np.float32)
+        size = np.ptp(frames[0], axis=0).max()
+        if not max(np.abs(frame - frames[0]).max() for frame in frames[1:]) > STILL * size:
+            raise file.error(f"{animation.title} moves no vertex", STAND_STILL)
+        note = animation.note(f"of {times[-1] - times[0]:.3g} s was read")
+        return SampledGltf(frames=frames, faces=corners.reshape(-1, 3).astype(np.int32), note=note)
+
+
+def _times(file: GltfFile, clip: Clip, fps: float) -> Float:
+    """Return the times of the frames [s]."""
+    seconds = clip.end - clip.start
+    if seconds <= 0.0:
+        raise file.error(f"{clip.title} has only one key and thus no motion", STAND_STILL)
+    # Keys are single precision: the last may lie a hair before its frame.
+    count = seconds * fps + 1e-3
+    if count < 1.0:
+        raise file.error(
+            f"{clip.title} lasts {seconds:.3g} s, less than a frame at {fps:g} per second",
+            "; give more frames per second",
+        )
+    if count > MOST_FRAMES:
+        raise file.error(f"{clip.title} lasts {seconds:.4g} s, too long at {fps:g} frames per second", "")
+    return np.asarray(clip.start + np.arange(int(count) + 1) / fps)

@@ -1,0 +1,1 @@
+"""Valid small inputs, mutated: readers must read them or say what is wrong, soon and in little memory."""
