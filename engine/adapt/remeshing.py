@@ -145,7 +145,8 @@ def remesh_run(
         velocities = with_momentum_of(_motion(old), _motion(after))
         velocities[found.cloth.pinned] = found.cloth.velocities[found.cloth.pinned]
     stepper.put(stepper.x, velocities, stepper.memory)
-    run.clock = stepper.clock = clock
+    run.clock = clock
+    stepper.book_on(clock)
     return Remeshing(
         step=step, faces=len(found.cloth.faces), splits=found.splits, flips=found.flips,
         collapses=found.collapses, energy_before=before, energy_after=stepper.elastic_energy(),

@@ -67,7 +67,7 @@ class DrapePlan:
         Steps for which cloth may hold the avatar back before the rest grows on, and then before what is left
         takes its true shape.
     easing_steps
-        Steps without gravity and friction before the garment settles.
+        Steps under gravity but without friction before the garment settles.
     waist_stiffness
         Stiffness that keeps waistbands at their height meanwhile [N/m].
     rms_motion, peak_motion

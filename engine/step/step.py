@@ -357,6 +357,10 @@ class ClothStepper:
                 collisions.anchor[: len(still)][still] = anchors
                 collisions.ignore(None)
 
+    def book_on(self, clock: StageClock) -> None:
+        """Book the time that steps take on another clock from here on."""
+        self.clock = clock
+
     def precondition(self, make: Callable[[LinearSystem], Preconditioner]) -> None:
         """Take another preconditioner than the usual one."""
         self._solver.preconditioner = make(self._system)
