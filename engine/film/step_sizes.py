@@ -79,7 +79,7 @@ class StepSizes:
         if not good:
             # A share of the time left may exceed the wished size by rounding.
             if h > limits.shortest * (1.0 + 10.0 * ROUNDING):
-                self.h = max(limits.shortest, h * min(0.5, max(SHRINK, factor)))
+                self.h = h * min(0.5, max(SHRINK, factor))
                 return False
             return True
         if limits.error_rate < inf:

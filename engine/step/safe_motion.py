@@ -16,7 +16,8 @@ SPREAD = 2e-3
 FEW = 0.02
 """Share of nodes that may miss contacts ahead for want of candidates rather than search anew."""
 SOME = 0.3
-"""Share of nodes for which candidates are completed rather than all searched anew."""
+"""Share of nodes for which candidates against a moving avatar are completed rather than all searched anew.
+Within cloth that let a crumpled sheet stretch by 12 % instead of 3 %."""
 STEPS_AHEAD = 3.0
 """Candidates within cloth in motion cover this many steps."""
 ATTEMPTS = 5
@@ -53,12 +54,9 @@ def expect(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> Non
 
 def _expect_in_cloth(search: ContactSearch, x: Float, ahead: Float, allowed: Float) -> None:
     """Do the part of `expect` and `expect_avatar` that is about pairs within the cloth."""
-    there = x + ahead
-    if search.covers_cloth(x):
-        missing = np.count_nonzero(search.left_in_cloth(there) < 0.0)
-        if missing <= FEW * len(x) or search.widen_cloth(there, LEAST_ALLOWANCE, int(SOME * len(x))):
-            return
-    search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
+    missing = search.left_in_cloth(x + ahead) < 0.0
+    if not search.covers_cloth(x) or np.count_nonzero(missing) > FEW * len(x):
+        search.search_cloth(x, allowed, drift=STEPS_AHEAD * ahead)
 
 
 def _search_body(
