@@ -7,9 +7,9 @@ from toile.collide import bvh
 from toile.collide.candidates import Hierarchy, Vertices, find_candidates
 from toile.collide.cover import Cover
 from toile.collide.merged_pairs import with_marked, with_pairs_of
-from toile.collide.segment_hits import face_boxes
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
 
 NO_PAIRS = np.empty((0, 4), np.int32)

@@ -9,6 +9,7 @@ from numba import types
 
 from toile.collide import bvh
 from toile.geometry.arrays import Float, Int
+from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
 
 
@@ -99,10 +100,3 @@ class SegmentHits:
             if found <= capacity:
                 return pairs[:found]
             capacity = found
-
-
-def face_boxes(vertices: Float, faces: Int) -> Float:
-    """Boxes of faces (t, 3) of vertices (v, 3) [m]: lower corner, upper corner, shape (t, 6)."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    return np.ascontiguousarray(np.concatenate([low, high], axis=1))

@@ -13,6 +13,7 @@ from numba import types
 
 from toile.collide import bvh
 from toile.geometry.arrays import Float, Int
+from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_F64_1, helper, kernel
 from toile.geometry.normals import vertex_normals
 
@@ -93,8 +94,7 @@ def _thickness(p, faces, normals, order, child, box, limit, thickness):  # type:
 
 def shrunken(vertices: Float, faces: Int, depth: float) -> Float:
     """Vertices moved inward by at most `depth` [m], shape (v, 3)."""
-    corners = vertices[faces]
-    boxes = np.ascontiguousarray(np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1))
+    boxes = face_boxes(vertices, faces)
     tree = bvh.build(boxes)
     normals = vertex_normals(vertices, faces)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.face_boxes import face_boxes
 
 SIDE = 0.04
 """Side of a cell [m]."""
@@ -29,7 +30,7 @@ class Cells(NamedTuple):
     @staticmethod
     def around(positions: Float, faces: Int) -> "Cells":
         """Mark the cells that the boxes of faces (t, 3) of positions (n, 3) [m] overlap."""
-        low, high = _boxes(positions, faces)
+        low, high = np.split(face_boxes(positions, faces), 2, axis=1)
         size = high.max(axis=0) - low.min(axis=0)
         side = max(SIDE, float(np.prod(size) / MOST) ** (1.0 / 3.0), float(size.max()) / LONGEST)
         start, end = np.floor(low / side).astype(np.int64), np.floor(high / side).astype(np.int64)
@@ -58,7 +59,7 @@ class Cells(NamedTuple):
 
     def faces_within(self, vertices: Float, faces: Int) -> Int:
         """Return the faces (t, 3) of vertices (v, 3) [m] whose boxes overlap a marked cell, shape (k,)."""
-        low, high = _boxes(vertices, faces)
+        low, high = np.split(face_boxes(vertices, faces), 2, axis=1)
         shape = np.array(self.marked.shape)
         lowest, highest = self.side * self.first, self.side * (self.first + shape)
         near = np.flatnonzero(((high >= lowest) & (low <= highest)).all(axis=1))
@@ -73,12 +74,6 @@ class Cells(NamedTuple):
         for row, block in zip(of_large, _blocks(start[~small], end[~small]), strict=True):
             within[row] = self.marked[block].any()
         return near[within].astype(np.int32)
-
-
-def _boxes(positions: Float, faces: Int) -> tuple[Float, Float]:
-    """Lower and upper corners of the boxes of faces [m], shapes (t, 3)."""
-    a, b, c = (positions[faces[:, corner]] for corner in range(3))
-    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
 def _overlapped(start: Int, end: Int) -> Iterator[tuple[Int, Int]]:

@@ -101,8 +101,8 @@ class ClothStepper:
         if request.at_rest:
             self.v = np.zeros_like(self.x)
         # Without a past nodes that may touch something take a backward Euler step.
-        free = self.memory is None and self.collisions is None
-        first_order = np.full(count, not free) if self.memory is None else self.memory.touched
+        unknown = np.full(count, self.collisions is not None)
+        first_order = unknown if self.memory is None else self.memory.touched
         ahead: Float | None = None
         if not request.at_rest:
             # Gravity counts where cloth moves: what hangs still beside the avatar is not drawn to it.
