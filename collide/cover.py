@@ -17,33 +17,34 @@ class Cover(NamedTuple):
     """For which places candidates are complete.
 
     Nodes may be `allowed` [m], shape (n,), away from `origin` [m], shape (n, 3), or from places that `drift`
-    [m] away from there, all at the same pace.
+    [m] away from there, all at the same pace. Those from number `leaders` on tell how far they have drifted.
     """
 
     origin: Float
     allowed: Float
     drift: Float | None
+    leaders: int = 0
 
     def allowance(self, x: Float) -> Float:
         """How far nodes may still move from x [m], shape (n,)."""
         left = np.empty(len(x))
-        _allowance(x, self.origin, STILL if self.drift is None else self.drift, self.allowed, left)
+        _allowance(x, self.origin, STILL if self.drift is None else self.drift, self.allowed, self.leaders, left)
         return left
 
 
-@kernel(types.void(F64_2, F64_2, F64_2, F64_1, OUT_F64_1))
-def _allowance(x, origin, drift, allowed, left):  # type: ignore[no-untyped-def]
+@kernel(types.void(F64_2, F64_2, F64_2, F64_1, types.int64, OUT_F64_1))
+def _allowance(x, origin, drift, allowed, leaders, left):  # type: ignore[no-untyped-def]
     """Write how far nodes may still move from x.
 
     Any common share of the drift is valid: the one that brings fast nodes nearest to where they are leaves
     the least to their allowance.
     """
     largest = 0.0
-    for i in range(drift.shape[0]):
+    for i in range(leaders, drift.shape[0]):
         largest = max(largest, drift[i, 0] ** 2 + drift[i, 1] ** 2 + drift[i, 2] ** 2)
     done, whole = 0.0, 0.0
     if largest > 0.0:
-        for i in range(drift.shape[0]):
+        for i in range(leaders, drift.shape[0]):
             square = drift[i, 0] ** 2 + drift[i, 1] ** 2 + drift[i, 2] ** 2
             if square >= FAST * largest:
                 whole += square

@@ -34,6 +34,7 @@ KEPT_SHARE = 0.2
 FLOOR = 2e-5
 """Distance [m] below which a pair comes no closer."""
 MAX_SWEEPS = 60
+UNKNOWN = np.empty(0)
 
 
 @helper
@@ -77,9 +78,11 @@ def _set_plane(p, move, kind, i, j, k, m, nx, ny, nz, distance, plane, row):  # 
     plane[row, 9] = keep
 
 
-@kernel(types.int64(F64_2, F64_2, F64_1, I32_2, types.int64, OUT_I32_1, OUT_F64_2))
-def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-untyped-def]
+@kernel(types.int64(F64_2, F64_2, F64_1, I32_2, types.int64, F64_1, OUT_I32_1, OUT_F64_2))
+def _planes(p, move, reach, pairs, kind, known, active, plane):  # type: ignore[no-untyped-def]
     """Collect the pairs that the motion could bring together, each with a separating plane.
+
+    known: distances of the pairs, or of none.
 
     plane rows: n (3), separation, each vertex's distance behind its own support plane (4), margin at the
     end of the full motion, separation to keep. Returns the count of pairs.
@@ -90,13 +93,17 @@ def _planes(p, move, reach, pairs, kind, active, plane):  # type: ignore[no-unty
         j = unsigned(pairs[row, 1])
         k = unsigned(pairs[row, 2])
         m = unsigned(pairs[row, 3])
-        wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
-        x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
-        d = length(x, y, z)
         if kind == 0:
             motion = reach[i] + max(reach[j], reach[k], reach[m])
         else:
             motion = max(reach[i], reach[j]) + max(reach[k], reach[m])
+        if known.shape[0] > 0:
+            d = known[row]
+            if d > 0.0 and d - motion >= max(KEPT_SHARE * d, min(d, FLOOR)):
+                continue
+        wi, wj, wk, wm = pair_weights(p, kind, i, j, k, m)
+        x, y, z = weighted_sum(p, i, j, k, m, wi, wj, wk, wm)
+        d = length(x, y, z)
         if d > 0.0 and d - motion >= max(KEPT_SHARE * d, min(d, FLOOR)):
             continue
         active[count] = row
@@ -191,7 +198,9 @@ def _sweep(  # type: ignore[no-untyped-def]
     return unsafe
 
 
-def safe_factors(p: Float, move: Float, vertex_face: Int, edge_edge: Int) -> Float:
+def safe_factors(
+    p: Float, move: Float, vertex_face: Int, edge_edge: Int, known: tuple[Float, Float] = (UNKNOWN, UNKNOWN)
+) -> Float:
     """Factor in [0, 1] per vertex so that p + factor * move, moved straight, lets no pair meet.
 
     Parameters
@@ -200,16 +209,18 @@ def safe_factors(p: Float, move: Float, vertex_face: Int, edge_edge: Int) -> Flo
         Positions and wanted displacements [m], shape (n, 3).
     vertex_face, edge_edge
         All pairs that can meet: those whose distance is less than the motion of their vertices.
+    known
+        Their distances at p [m], shapes (n,), as measured before: most pairs then need no second look.
     """
     factor = np.ones(len(p))
     reach = np.sqrt(np.einsum("ij,ij->i", move, move))
     sets = []
-    for kind, pairs in ((0, vertex_face), (1, edge_edge)):
+    for kind, pairs, distances in ((0, vertex_face, known[0]), (1, edge_edge, known[1])):
         if len(pairs) == 0:
             continue
         active = np.empty(len(pairs), np.int32)
         plane = np.empty((len(pairs), 10))
-        count = _planes(p, move, reach, pairs, kind, active, plane)
+        count = _planes(p, move, reach, pairs, kind, distances, active, plane)
         if count:
             sets.append((pairs, kind, active[:count], plane[:count], count))
     last_cut = np.full(len(p), -1, np.int32)

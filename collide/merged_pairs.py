@@ -1,31 +1,59 @@
 """Updating a list of candidates for some vertices only."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from numba import types
 
-from toile.geometry.arrays import Bool, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import BOOL_1, I32_2, OUT_BOOL_1, kernel, unsigned
 
 BITS = 15
 """Of a vertex number, four of which go into one of 64 bits, its sign left alone."""
 
 
-def with_pairs_of(marked: Bool, known: tuple[Int, Int], found: tuple[Int, Int]) -> tuple[Int, Int]:
-    """Return known pairs without a marked vertex and found ones that have one, (n, 4) and (m, 4).
+class Measured(NamedTuple):
+    """(vertex-face, edge-edge) candidates, shapes (n, 4) and (m, 4), and distances [m], nan where not known."""
+
+    pairs: tuple[Int, Int]
+    distances: tuple[Float, Float]
+
+
+def unmeasured(pairs: tuple[Int, Int]) -> Measured:
+    """Return pairs whose distances are not known."""
+    return Measured(pairs, (np.full(len(pairs[0]), np.nan), np.full(len(pairs[1]), np.nan)))
+
+
+def with_pairs_of(marked: Bool, known: Measured, found: tuple[Int, Int]) -> Measured:
+    """Return known pairs without a marked vertex and found ones that have one.
 
     Parameters
     ----------
     marked
         The vertices, shape (v,).
     known, found
-        (vertex-face, edge-edge) candidates. Where surfaces were searched that share features, those were
-        found from either side: every pair is kept once.
+        Candidates. Where surfaces were searched that share features, those were found from either side: every
+        pair is kept once.
     """
     vertex_face, edge_edge = (rows[with_marked(marked, rows)] for rows in found)
-    merged = []
-    for old, new in zip(known, (_once(vertex_face), _once(_in_order(edge_edge))), strict=True):
-        merged.append(np.concatenate([old[~with_marked(marked, old)], new]))
-    return merged[0], merged[1]
+    return _merged(marked, known, [_once(vertex_face), _once(_in_order(edge_edge))])
+
+
+def replaced(marked: Bool, known: Measured, found: tuple[Int, Int]) -> Measured:
+    """Return known pairs without a marked vertex and found ones that have one, of which none comes twice."""
+    return _merged(marked, known, [rows[with_marked(marked, rows)] for rows in found])
+
+
+def _merged(marked: Bool, known: Measured, found: Sequence[Int]) -> Measured:
+    """Return known pairs without a marked vertex, and found ones, with what distances are known."""
+    kept = [~with_marked(marked, rows) for rows in known.pairs]
+    pairs = [np.concatenate([old[keep], new]) for old, keep, new in zip(known.pairs, kept, found, strict=True)]
+    distances = [
+        np.concatenate([old[keep], np.full(len(new), np.nan)])
+        for old, keep, new in zip(known.distances, kept, found, strict=True)
+    ]
+    return Measured((pairs[0], pairs[1]), (distances[0], distances[1]))
 
 
 def with_marked(marked: Bool, rows: Int) -> Bool:

@@ -6,7 +6,7 @@ from numba import types
 from toile.collide import bvh
 from toile.collide.candidates import Hierarchy, Vertices, find_candidates
 from toile.collide.cover import Cover
-from toile.collide.merged_pairs import with_marked, with_pairs_of
+from toile.collide.merged_pairs import Measured, replaced, unmeasured, with_marked, with_pairs_of
 from toile.collide.surface import Surface, surface_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.face_boxes import face_boxes
@@ -42,6 +42,10 @@ class AvatarSurface:
         drift, from the place that drifts along.
     drift
         Where the vertices are going [m], shape (v, 3), or None.
+    bound_for
+        Places that they are on the way to [m], shape (v, 3), beyond the step at hand; None where not known.
+    off_course
+        How far from the straight way there they will be at most [m], shape (v,).
     """
 
     def __init__(self, vertices: Float, faces: Int) -> None:
@@ -50,6 +54,8 @@ class AvatarSurface:
         self.surface = surface_of(faces)
         self.motion = np.zeros(len(vertices))
         self.drift: Float | None = None
+        self.bound_for: Float | None = None
+        self.off_course = np.zeros(len(vertices))
         self.boxes = np.empty((len(faces), 12))
         self._tree: bvh.Bvh | None = None
         self._reach = np.full(len(vertices), -1.0)
@@ -113,8 +119,6 @@ class ContactSearch:
     ----------
     positions
         Cloth nodes followed by avatar vertices [m]: the array that all pairs index.
-    body, cloth
-        (vertex-face, edge-edge) candidates against the avatar and within the cloth.
     weld
         Future node of every row of `positions`, shape (n,): sewn vertices share it.
     radius_body
@@ -134,15 +138,26 @@ class ContactSearch:
         radius_body: float,
     ) -> None:
         self._surface = surface_of(face_nodes)
-        self._avatar = avatar
         self._self_contact = self_contact
         self._radius_self = radius_self
         self.radius_body = radius_body
-        count = len(weld)
+        self._count = len(weld)
+        self._own_weld = weld
+        self._boxes = np.empty((len(face_nodes), 12))
+        self.rebuilds = 0
+        self.meet(avatar)
+
+    def meet(self, avatar: AvatarSurface | None, roam: Cover | None = None) -> None:
+        """Search against another avatar, or none, from here on, as if nothing had been searched before.
+
+        `roam` says where nodes meet no more than this avatar, if it is part of a larger one; None: anywhere.
+        """
+        count = self._count
         others = 0 if avatar is None else len(avatar.vertices)
-        self._count = count
+        self._avatar, self._roam = avatar, roam
         self.positions = np.empty((count + others, 3))
-        self.weld = np.concatenate([weld, np.arange(others, dtype=np.int32) + count]).astype(np.int32)
+        own = np.arange(others, dtype=np.int32) + np.int32(count)
+        self.weld = np.concatenate([self._own_weld, own]).astype(np.int32)
         self._ghost = np.zeros(count + others, bool)
         self._reach = np.zeros(count + others)
         self._avatar_surface: Surface | None = None
@@ -150,19 +165,36 @@ class ContactSearch:
             self.positions[count:] = avatar.vertices
             shifted = avatar.surface.faces + np.int32(count)
             self._avatar_surface = Surface(shifted, avatar.surface.owned)
-        self._boxes = np.empty((len(face_nodes), 12))
         self._tree: bvh.Bvh | None = None
         self._among_cloth = self._with_body = Cover(np.full((count, 3), np.nan), np.zeros(count), None)
         self._avatar_origin = np.empty((0, 3))
-        self.body: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
-        self.cloth: tuple[Int, Int] = (NO_PAIRS, NO_PAIRS)
-        self.rebuilds = 0
+        self._of_body = self._of_cloth = unmeasured((NO_PAIRS, NO_PAIRS))
 
     def place(self, x: Float) -> None:
         """Set the current positions of cloth nodes and avatar vertices, without searching."""
         self.positions[: self._count] = x
         if self._avatar is not None:
             self.positions[self._count :] = self._avatar.vertices
+
+    @property
+    def body(self) -> tuple[Int, Int]:
+        """(vertex-face, edge-edge) candidates against the avatar, shapes (n, 4) and (m, 4)."""
+        return self._of_body.pairs
+
+    @property
+    def cloth(self) -> tuple[Int, Int]:
+        """(vertex-face, edge-edge) candidates within the cloth, shapes (n, 4) and (m, 4)."""
+        return self._of_cloth.pairs
+
+    def measured(self, body: tuple[Float, Float], cloth: tuple[Float, Float]) -> None:
+        """Take note of the distances of all candidates as things are [m]."""
+        self._of_body, self._of_cloth = Measured(self.body, body), Measured(self.cloth, cloth)
+
+    @property
+    def distances(self) -> tuple[Float, Float]:
+        """Distances of all pairs as they were measured last [m]; not a number where they were not."""
+        body, cloth = self._of_body.distances, self._of_cloth.distances
+        return np.concatenate([body[0], cloth[0]]), np.concatenate([body[1], cloth[1]])
 
     @property
     def pairs(self) -> tuple[Int, Int]:
@@ -185,12 +217,6 @@ class ContactSearch:
         """Make all allowances void, because what may touch has changed."""
         self._among_cloth.origin[:] = np.nan
         self._with_body.origin[:] = np.nan
-
-    def begin_afresh(self) -> None:
-        """Forget candidates and the hierarchy of the cloth: the next search does not depend on the past."""
-        self.body = self.cloth = (NO_PAIRS, NO_PAIRS)
-        self._tree = None
-        self.expire()
 
     def expire_body(self) -> None:
         """Make allowances against the avatar void: it has moved."""
@@ -219,7 +245,7 @@ class ContactSearch:
         if self._avatar is None:
             return np.full(len(x), np.inf)
         if avatar is None:
-            return self._with_body.allowance(x)
+            return self._within_roam(x, self._with_body.allowance(x))
         surface, cover = self._avatar, self._with_body
         still = np.zeros_like(x) if cover.drift is None else cover.drift
         moving = np.zeros_like(avatar) if surface.drift is None else surface.drift
@@ -227,8 +253,15 @@ class ContactSearch:
             np.concatenate([cover.origin, self._avatar_origin]),
             np.concatenate([cover.allowed, surface.motion]),
             np.concatenate([still, moving]),
+            0 if surface.drift is None else self._count,
         )
-        return both.allowance(np.concatenate([x, avatar]))
+        return self._within_roam(x, both.allowance(np.concatenate([x, avatar])))
+
+    def _within_roam(self, x: Float, left: Float) -> Float:
+        """Take back what nodes at x [m], shape (n, 3), may move beyond where they may be; shape of `left`."""
+        if self._roam is not None:
+            left[: self._count] = np.minimum(left[: self._count], self._roam.allowance(x))
+        return left
 
     def covers(self, x: Float, avatar: Float | None = None) -> bool:
         """Whether the candidates are complete for nodes at x and on the straight way there.
@@ -262,7 +295,7 @@ class ContactSearch:
         self._begin(x, motion)
         self._among_cloth = Cover(x.copy(), motion.copy(), None if drift is None else drift.copy())
         ends = self._ends(drift)
-        self.cloth = find_candidates(self._vertices(ends), self._own(ends), None)
+        self._of_cloth = unmeasured(find_candidates(self._vertices(ends), self._own(ends), None))
 
     def search_body(self, x: Float, motion: Float, *, drift: Float | None = None) -> None:
         """Find all pairs of cloth and avatar, as `search` does."""
@@ -273,12 +306,12 @@ class ContactSearch:
         self._avatar_origin = self._avatar.vertices
         ends = self._ends(drift, self._avatar.drift)
         own = self._own(ends)
-        self._reach[self._count :] = self.radius_body - 0.5 * self._radius_self + self._avatar.motion
+        self._reach[self._count :] = self._body_reach()
         tree = self._avatar.tree(
             self._reach[self._count :], None if self._avatar.drift is None else ends[self._count :]
         )
         body = Hierarchy(self._avatar_surface, self._avatar.boxes, tree)
-        self.body = find_candidates(self._vertices(ends), own, body)
+        self._of_body = unmeasured(find_candidates(self._vertices(ends), own, body))
 
     def widen_cloth(self, x: Float, room: float, few: int) -> bool:
         """Complete the candidates within the cloth for nodes at x, if few are beyond; whether they are now.
@@ -290,29 +323,55 @@ class ContactSearch:
         beyond = self._beyond(self._among_cloth, self._among_cloth.allowance(x), room, few)
         if beyond is None or not beyond.any():
             return beyond is not None
-        part = self._part(self._among_cloth, beyond)
+        marked = np.pad(beyond, (0, len(self.weld) - self._count))
+        self._begin(self._among_cloth.origin, self._among_cloth.allowed)
         ends = self._ends(self._among_cloth.drift)
+        part = self._part(self._surface, marked, ends)
         found = find_candidates(self._vertices(ends), part, self._own(ends))
-        self.cloth = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.cloth, found)
+        self._of_cloth = with_pairs_of(marked, self._of_cloth, found)
         return True
 
     def widen_body(self, x: Float, avatar: Float | None, room: float, few: int) -> bool:
-        """Do the same against the avatar, whose vertices are at places of their own then, shape (v, 3)."""
+        """Do the same against the avatar, whose vertices, too, may be beyond at places of their own, (v, 3)."""
         if self._avatar is None or self._avatar_surface is None:
             return True
         left = self.left_with_body(x, avatar)
-        if not (left[self._count :] >= 0.0).all():
-            return False
         beyond = self._beyond(self._with_body, left[: self._count], room, few)
-        if beyond is None or not beyond.any():
-            return beyond is not None
-        part = self._part(self._with_body, beyond)
+        if beyond is None:
+            return False
+        if avatar is None:
+            marked = np.pad(beyond, (0, len(self.weld) - self._count))
+        else:
+            strayed = ~(left[self._count :] >= 0.0)
+            if np.count_nonzero(strayed) > few:
+                return False
+            self._avatar.motion[strayed] += room - left[self._count :][strayed]
+            marked = np.concatenate([beyond, strayed])
+        if not marked.any():
+            return True
+        self._begin(self._with_body.origin, self._with_body.allowed)
         self.positions[self._count :] = self._avatar_origin
         ends = self._ends(self._with_body.drift, self._avatar.drift)
+        if marked[self._count :].any():
+            self._reach[self._count :] = self._body_reach()
+            self._avatar.tree(self._reach[self._count :], ends[self._count :])
         body = Hierarchy(self._avatar_surface, self._avatar.boxes, self._avatar.known_tree)
-        found = find_candidates(self._vertices(ends), part, body)
-        self.body = with_pairs_of(np.pad(beyond, (0, len(self.weld) - self._count)), self.body, found)
+        own = np.pad(beyond, (0, len(marked) - self._count))
+        if own.any():
+            part = self._part(self._surface, own, ends)
+            found = find_candidates(self._vertices(ends), part, body)
+            self._of_body = replaced(own, self._of_body, found)
+        if marked[self._count :].any():
+            marked[: self._count] = False
+            part = self._part(self._avatar_surface, marked, ends)
+            found = find_candidates(self._vertices(ends), self._own(ends), part)
+            self._of_body = replaced(marked, self._of_body, found)
         return True
+
+    def _body_reach(self) -> Float:
+        """Reach of the avatar's vertices [m], shape (v,)."""
+        assert self._avatar is not None
+        return np.asarray(self.radius_body - 0.5 * self._radius_self + self._avatar.motion)
 
     def _beyond(self, cover: Cover, left: Float, room: float, few: int) -> Bool | None:
         """Mark nodes without allowance left, shape (n,), and allow them more; None if they are many."""
@@ -322,13 +381,12 @@ class ContactSearch:
         cover.allowed[beyond] += room - left[beyond]
         return np.asarray(beyond)
 
-    def _part(self, cover: Cover, marked: Bool) -> Hierarchy:
-        """Return the faces of marked nodes as a surface, ready to be searched from where a cover starts."""
-        self._begin(cover.origin, cover.allowed)
-        surface = surface_of(self._surface.faces[with_marked(marked, self._surface.faces)])
-        boxes = np.empty((len(surface.faces), 12))
-        _moving_boxes(self.positions, self._ends(cover.drift), surface.faces, self._reach, boxes)
-        return Hierarchy(surface, boxes, bvh.build(boxes))
+    def _part(self, surface: Surface, marked: Bool, ends: Float) -> Hierarchy:
+        """Return the faces of marked vertices, shape (n + v,), on their way to `ends`, ready to be searched."""
+        part = surface_of(surface.faces[with_marked(marked, surface.faces)])
+        boxes = np.empty((len(part.faces), 12))
+        _moving_boxes(self.positions, ends, part.faces, self._reach, boxes)
+        return Hierarchy(part, boxes, bvh.build(boxes))
 
     def _vertices(self, ends: Float) -> Vertices:
         """All vertices as a search sees them, on their way to `ends` [m], shape (n, 3)."""

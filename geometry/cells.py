@@ -1,20 +1,25 @@
 """Grid cells near a surface: what lies in none of them cannot cross it."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 from scipy.ndimage import binary_dilation
 
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.face_boxes import face_boxes
+from toile.geometry.kernel import BOOL_3, F64_2, I64_1, OUT_BOOL_1, OUT_BOOL_3, helper, kernel
 
 SIDE = 0.04
 """Side of a cell [m]."""
 MOST, LONGEST = 4_000_000, 500
 """Cells at most, all and along an axis: larger scenes have larger ones."""
-SMALL = 4
-"""Faces whose boxes overlap so many cells along an axis at most are looked at together, others one by one."""
+
+
+@helper
+def _cell(place, side):  # type: ignore[no-untyped-def]
+    """Number of the cell along an axis in which a place lies."""
+    return np.int64(np.floor(place / side))
 
 
 class Cells(NamedTuple):
@@ -30,18 +35,17 @@ class Cells(NamedTuple):
     @staticmethod
     def around(positions: Float, faces: Int) -> "Cells":
         """Mark the cells that the boxes of faces (t, 3) of positions (n, 3) [m] overlap."""
-        low, high = np.split(face_boxes(positions, faces), 2, axis=1)
+        return Cells.of(face_boxes(positions, faces))
+
+    @staticmethod
+    def of(boxes: Float) -> "Cells":
+        """Mark the cells that boxes overlap: lower corner, upper corner [m], shape (t, 6)."""
+        low, high = np.split(boxes, 2, axis=1)
         size = high.max(axis=0) - low.min(axis=0)
         side = max(SIDE, float(np.prod(size) / MOST) ** (1.0 / 3.0), float(size.max()) / LONGEST)
-        start, end = np.floor(low / side).astype(np.int64), np.floor(high / side).astype(np.int64)
-        first = start.min(axis=0)
-        start, end = start - first, end - first
-        marked = np.zeros(end.max(axis=0) + 1, bool)
-        small = (end - start < SMALL).all(axis=1)
-        for _, cells in _overlapped(start[small], end[small]):
-            marked[tuple(cells.T)] = True
-        for block in _blocks(start[~small], end[~small]):
-            marked[block] = True
+        first = np.floor(low.min(axis=0) / side).astype(np.int64)
+        marked = np.zeros(np.floor(high.max(axis=0) / side).astype(np.int64) - first + 1, bool)
+        _mark(boxes, first, side, marked)
         return Cells(marked, first, side)
 
     def grown(self, rings: int) -> "Cells":
@@ -59,33 +63,40 @@ class Cells(NamedTuple):
 
     def faces_within(self, vertices: Float, faces: Int) -> Int:
         """Return the faces (t, 3) of vertices (v, 3) [m] whose boxes overlap a marked cell, shape (k,)."""
-        low, high = np.split(face_boxes(vertices, faces), 2, axis=1)
-        shape = np.array(self.marked.shape)
-        lowest, highest = self.side * self.first, self.side * (self.first + shape)
-        near = np.flatnonzero(((high >= lowest) & (low <= highest)).all(axis=1))
-        start = np.floor(low[near] / self.side).astype(np.int64) - self.first
-        end = np.floor(high[near] / self.side).astype(np.int64) - self.first
-        start, end = np.clip(start, 0, shape - 1), np.clip(end, 0, shape - 1)
-        within = np.zeros(len(near), bool)
-        small = (end - start < SMALL).all(axis=1)
-        of_small, of_large = np.flatnonzero(small), np.flatnonzero(~small)
-        for rows, cells in _overlapped(start[small], end[small]):
-            within[of_small[rows]] |= self.marked[tuple(cells.T)]
-        for row, block in zip(of_large, _blocks(start[~small], end[~small]), strict=True):
-            within[row] = self.marked[block].any()
-        return near[within].astype(np.int32)
+        return self.boxes_within(face_boxes(vertices, faces))
+
+    def boxes_within(self, boxes: Float) -> Int:
+        """Return which boxes, as `of` takes them, overlap a marked cell, shape (k,)."""
+        within = np.zeros(len(boxes), bool)
+        _within(boxes, self.marked, self.first, self.side, within)
+        return np.flatnonzero(within).astype(np.int32)
 
 
-def _overlapped(start: Int, end: Int) -> Iterator[tuple[Int, Int]]:
-    """Yield cells from `start` to `end`, shapes (t, 3), a few at a time: of which boxes, and the cells."""
-    count = end - start + 1
-    for offset in np.ndindex(*(int(most) for most in count.max(axis=0, initial=0))):
-        rows = np.flatnonzero((count > offset).all(axis=1))
-        if len(rows):
-            yield rows.astype(np.int32), start[rows] + offset
+@kernel(types.void(F64_2, I64_1, types.float64, OUT_BOOL_3))
+def _mark(boxes, first, side, marked):  # type: ignore[no-untyped-def]
+    """Mark the cells that boxes overlap."""
+    for t in range(boxes.shape[0]):
+        for i in range(_cell(boxes[t, 0], side) - first[0], _cell(boxes[t, 3], side) - first[0] + 1):
+            for j in range(_cell(boxes[t, 1], side) - first[1], _cell(boxes[t, 4], side) - first[1] + 1):
+                for k in range(_cell(boxes[t, 2], side) - first[2], _cell(boxes[t, 5], side) - first[2] + 1):
+                    marked[i, j, k] = True
 
 
-def _blocks(start: Int, end: Int) -> Iterator[tuple[slice, slice, slice]]:
-    """Yield the cells from `start` to `end`, shapes (t, 3), of one box after the other."""
-    for (a, b, c), (d, e, f) in zip(start.tolist(), end.tolist(), strict=True):
-        yield slice(a, d + 1), slice(b, e + 1), slice(c, f + 1)
+@kernel(types.void(F64_2, BOOL_3, I64_1, types.float64, OUT_BOOL_1))
+def _within(boxes, marked, first, side, within):  # type: ignore[no-untyped-def]
+    """Write whether boxes overlap marked cells."""
+    low, high = np.empty(3, np.int64), np.empty(3, np.int64)
+    for t in range(boxes.shape[0]):
+        for axis in range(3):
+            low[axis] = max(_cell(boxes[t, axis], side) - first[axis], 0)
+            high[axis] = min(_cell(boxes[t, axis + 3], side) - first[axis], marked.shape[axis] - 1)
+        found = False
+        for i in range(low[0], high[0] + 1):
+            for j in range(low[1], high[1] + 1):
+                for k in range(low[2], high[2] + 1):
+                    found |= marked[i, j, k]
+                if found:
+                    break
+            if found:
+                break
+        within[t] = found

@@ -25,6 +25,7 @@ I32_1 = types.Array(types.int32, 1, "C", readonly=True)
 I32_2 = types.Array(types.int32, 2, "C", readonly=True)
 I64_1 = types.Array(types.int64, 1, "C", readonly=True)
 BOOL_1 = types.Array(types.boolean, 1, "C", readonly=True)
+BOOL_3 = types.Array(types.boolean, 3, "C", readonly=True)
 OUT_F64_1 = types.Array(types.float64, 1, "C")
 OUT_F64_2 = types.Array(types.float64, 2, "C")
 OUT_F64_3 = types.Array(types.float64, 3, "C")
@@ -33,6 +34,7 @@ OUT_I8_1 = types.Array(types.int8, 1, "C")
 OUT_I32_1 = types.Array(types.int32, 1, "C")
 OUT_I32_2 = types.Array(types.int32, 2, "C")
 OUT_BOOL_1 = types.Array(types.boolean, 1, "C")
+OUT_BOOL_3 = types.Array(types.boolean, 3, "C")
 
 
 # What only costs compile time here: wrappers for C callers that do not exist, and numba's rewrites of array

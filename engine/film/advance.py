@@ -42,6 +42,8 @@ class Way:
         How a time step is made.
     ask
         Returns the request of a stage of a length [s] that ends at a time [s].
+    prepare
+        Called before every step with the time at which it starts and its length [s].
     stretch
         Largest stretch of the cloth now.
     driven_speed
@@ -50,6 +52,7 @@ class Way:
 
     integrator: Integrator
     ask: Callable[[float, float], StepRequest]
+    prepare: Callable[[float, float], None] = lambda start, length: None
     stretch: Callable[[], float] = lambda: 0.0
     driven_speed: float = 0.0
 
@@ -63,6 +66,7 @@ def advance(
     while left > ROUNDING * seconds:
         speed = max(float(np.linalg.norm(stepper.v, axis=1).max()), way.driven_speed)
         h = sizes.next(left, speed)
+        way.prepare(since + seconds - left, h)
         before, saved = way.stretch(), stepper.save()
         outcome = way.integrator(stepper, h, _asker(way, since + seconds - left, h))
         counts.newton_iterations += outcome.newton_iterations

@@ -1,5 +1,7 @@
 """The path of a moving avatar: its motion, with skins held apart where cloth is near."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -9,6 +11,14 @@ from toile.geometry.arrays import Bool, Float, Int
 
 NEAR = 0.1
 """Skin this far from cloth is held apart [m]: what comes near within two frames."""
+
+
+class _Known(NamedTuple):
+    """The way of some vertices, shape (k,), from a frame to the next."""
+
+    index: int
+    part: Int
+    way: Between
 
 
 class AvatarPath:
@@ -25,7 +35,7 @@ class AvatarPath:
         self.motion = motion
         self._slots = SkinSlots(motion.pose(0), faces)
         self.poses: dict[int, Float] = {}
-        self._between: tuple[int, Between] | None = None
+        self._between: _Known | None = None
         self._near: Bool = np.zeros(len(motion.pose(0)), bool)
 
     def see(self, avatar: Float, cloth: Float) -> None:
@@ -33,15 +43,17 @@ class AvatarPath:
         distance, _ = cKDTree(cloth).query(avatar, distance_upper_bound=NEAR)
         self._near = np.asarray(distance) < NEAR
 
-    def at(self, seconds: float) -> Float:
-        """Positions at a time [m], shape (v, 3)."""
+    def at(self, seconds: float, part: Int) -> Float:
+        """Positions of some vertices, shape (k,), at a time [m], shape (k, 3)."""
         index, s = self.motion.place(seconds)
         if s <= 1e-9 or s >= 1.0 - 1e-9:
-            return self._pose(index + round(s))
-        if self._between is None or self._between[0] != index:
+            return self._pose(index + round(s))[part]
+        known = self._between
+        if known is None or known.index != index or known.part is not part:
             # Stages of steps ask for several places on the same way.
-            self._between = index, self.motion.between(index, self._pose)
-        return self._between[1].at(s)
+            way = self.motion.between(index, lambda frame: self._pose(frame)[part])
+            known = self._between = _Known(index, part, way)
+        return known.way.at(s)
 
     def _pose(self, index: int) -> Float:
         """Positions at a frame, skins apart [m], shape (v, 3)."""

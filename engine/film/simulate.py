@@ -11,6 +11,7 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.advance import Way, advance
 from toile.engine.film.avatar_path import AvatarPath
+from toile.engine.film.avatar_skin import AvatarSkin
 from toile.engine.film.plan import FilmFrame, FilmPlan, FilmRecord, FilmState
 from toile.engine.film.step_sizes import StepLimits, StepSizes
 from toile.engine.forces.step_request import StepRequest
@@ -24,8 +25,10 @@ RELAXING = 0.01
 """Step size in which the nodes around remeshed faces find their places [s]."""
 CATCHING_UP = 12
 """Short steps at most in which cloth gives way to an avatar that it has held back."""
-ARRIVED = 1e-9
-"""Distance at which an avatar's vertex counts as where it shall be [m]."""
+ARRIVED = 2e-4
+"""Distance at which an avatar's vertex counts as where it shall be [m]: less is not worth short steps."""
+PINNED = 1e-9
+"""The same of a pin [m]."""
 
 
 class Simulation(ClothRun):
@@ -48,10 +51,10 @@ class Simulation(ClothRun):
         self.on_frame = on_frame
         self.motion = motion
         self.pin_motion = None if cloth.handles is None else pin_motion
-        self.path = None if motion is None or avatar is None else AvatarPath(motion, avatar[1])
-        if self.path is not None and self.surface is not None:
-            # From the first pose, wherever a film is resumed.
-            self.surface.build_tree()
+        moving = motion is not None and avatar is not None
+        self.path = AvatarPath(motion, avatar[1]) if moving else None
+        self.skin = AvatarSkin(*avatar) if moving else None
+        self._all = np.arange(0 if avatar is None else len(avatar[0]), dtype=np.int32)
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
         limits = StepLimits(
@@ -72,10 +75,10 @@ class Simulation(ClothRun):
         for _ in range(round(seconds / self.plan.frame_seconds)):
             if self.record.cancelled or self._jumps():
                 break
-            if self.motion is not None:
-                # A film that is resumed after this frame runs the same.
-                self.stepper.begin_afresh()
-            self._remesh()
+            # Before the mesh is adapted, and after: a film that is resumed after this frame runs the same.
+            self._focus(self._frame_time())
+            if self._remesh():
+                self._focus(self._frame_time())
             self._advance()
             self._catch_up()
             self._close_frame()
@@ -89,16 +92,15 @@ class Simulation(ClothRun):
         return FilmState(
             cloth=self.cloth, memory=stepper.memory,
             anchors=self._anchors(),
-            avatar=None if self.surface is None else self.surface.vertices,
+            avatar=self.body()[0],
             poses={} if self.path is None else dict(self.path.poses),
             meshed_at=self._meshed_at, longest_step=self._sizes.h, record=deepcopy(self.record),
         )  # fmt: skip
 
     def go_on_from(self, state: FilmState) -> None:
         """Resume a film of the same avatar, plan and motion from the state of another."""
-        if self.surface is not None and state.avatar is not None:
-            self.surface.move_to(state.avatar)
-        if self.path is not None:
+        if self.path is not None and self.skin is not None and state.avatar is not None:
+            self.skin.vertices = state.avatar
             self.path.poses.update(state.poses)
         self.restart(state.cloth, state.anchors, state.memory)
         self._meshed_at, self._sizes.h = state.meshed_at, state.longest_step
@@ -113,10 +115,34 @@ class Simulation(ClothRun):
         """Time of the last frame [s]."""
         return (len(self.record.crossings) - 1) * self.plan.frame_seconds
 
+    def body(self) -> tuple[Float | None, Int | None]:
+        """Vertices [m], shape (v, 3), and faces, (t, 3), of the whole avatar as cloth met it last."""
+        return super().body() if self.skin is None else (self.skin.vertices, self.skin.faces)
+
+    def _focus(self, since: float, length: float = 0.0) -> None:
+        """Let steps meet the part of a moving avatar that cloth may come to from a time on [s].
+
+        In the midst of a frame nothing happens while cloth stays near that part in a step of a length [s].
+        """
+        if self.path is None or self.skin is None:
+            return
+        stepper, skin = self.stepper, self.skin
+        if length and skin.reaches(stepper.x + length * stepper.v):
+            return
+        end = self._frame_time() + self.plan.frame_seconds
+        if length:
+            skin.whole(self.path.at(since, self._all))
+        drift = (end - since) * stepper.v
+        ahead = [self.path.at(since + share * (end - since), self._all) for share in (0.25, 0.5, 0.75, 1.0)]
+        near = skin.focus((stepper.x, self.cloth.face_nodes), drift, ahead)
+        self.surface = near.surface
+        self._driven_speed = max(self._driven_speed, near.longest_way / (end - since))
+        stepper.meet(near.surface, near.roam)
+
     def _jumps(self) -> bool:
         """Whether avatar or pins jump until the next frame: no cloth can follow."""
-        if self.path is not None and self.surface is not None:
-            self.path.see(self.surface.vertices, self.stepper.x)
+        if self.path is not None and self.skin is not None:
+            self.path.see(self.skin.vertices, self.stepper.x)
         self._driven_speed = 0.0
         for motion, name, point in (
             (self.motion, "the avatar jumps", "its vertex"), (self.pin_motion, "pins jump", "handle")
@@ -124,7 +150,8 @@ class Simulation(ClothRun):
             if motion is None:
                 continue
             speed, number = motion.speed(self._frame_time(), self.plan.frame_seconds)
-            self._driven_speed = max(speed, self._driven_speed)
+            if motion is self.pin_motion:
+                self._driven_speed = speed
             if speed > self.plan.speed_max:
                 self.record.failure = (
                     f"{name} after frame {len(self.record.crossings) - 1}: {point} {number} moves "
@@ -133,18 +160,20 @@ class Simulation(ClothRun):
                 )
         return bool(self.record.failure)
 
-    def _remesh(self) -> None:
+    def _remesh(self) -> bool:
         """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed.
+
+        Returns whether there is a new mesh.
 
         Cloth that has not moved yet keeps its mesh: a flat one would lose what its first folds need.
         """
         plan, record = self.plan, self.record
         if plan.sizing is None or not record.steps or (len(record.crossings) - 1) % plan.remesh_frames:
-            return
+            return False
         away = self.stepper.x - self._meshed_at
         away -= away.mean(axis=0)
         if float(np.sqrt((away**2).sum() / len(away))) < MOVED * plan.sizing.size_min:
-            return
+            return False
         # Its kernels are compiled for scenes that ask for it only.
         from toile.engine.adapt.remeshing import remesh_run
 
@@ -155,11 +184,12 @@ class Simulation(ClothRun):
             record.remeshings.append(done)
         self._meshed_at = self.stepper.x.copy()
         self.clock.add("remesh", now)
+        return done is not None
 
     def _advance(self) -> None:
         """Step to the next frame."""
         way = Way(
-            integrator=self.plan.integrator, ask=self._request, stretch=self.stretch_max,
+            integrator=self.plan.integrator, ask=self._request, prepare=self._focus, stretch=self.stretch_max,
             driven_speed=self._driven_speed,
         )  # fmt: skip
         span = (self._frame_time(), self.plan.frame_seconds)
@@ -174,9 +204,13 @@ class Simulation(ClothRun):
         return StepRequest(
             h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
             cg_tolerance=plan.cg_tolerance, motion_max=inf,
-            avatar_target=None if self.path is None else self.path.at(until),
+            avatar_target=self._avatar(until),
             pin_target=self._pins(until), seconds=until,
         )  # fmt: skip
+
+    def _avatar(self, seconds: float) -> Float | None:
+        """Where the part of the avatar near cloth goes at a time [m], shape (k, 3)."""
+        return None if self.path is None or self.skin is None else self.path.at(seconds, self.skin.part)
 
     def _pins(self, seconds: float) -> Float | None:
         """Where handles take pins and goals at a time [m], shape (n, 3); only their rows count."""
@@ -195,9 +229,10 @@ class Simulation(ClothRun):
         if self.path is None and self.pin_motion is None:
             return
         now = self._frame_time() + plan.frame_seconds
-        target, pins = None if self.path is None else self.path.at(now), self._pins(now)
+        target, pins = self._avatar(now), self._pins(now)
+        arrived = ARRIVED if pins is None else PINNED
         lag, place = self._behind(target, pins)
-        if lag > ARRIVED:
+        if lag > arrived:
             velocities, memory = stepper.v, stepper.memory
             for _ in range(CATCHING_UP):
                 stepper.put(stepper.x, np.zeros_like(stepper.x), memory)
@@ -209,7 +244,7 @@ class Simulation(ClothRun):
                 )  # fmt: skip
                 before = lag
                 lag, place = self._behind(target, pins)
-                if lag <= ARRIVED or lag > 0.9 * before:
+                if lag <= arrived or lag > 0.9 * before:
                     break
             stepper.put(stepper.x, velocities, memory)
         if lag > plan.lag_max:
@@ -237,14 +272,15 @@ class Simulation(ClothRun):
     def _close_frame(self) -> None:
         """Audit the cloth as it is, pass it to the caller and record it."""
         record = self.record
-        if self.motion is not None:
+        if self.path is not None and self.skin is not None and record.crossings:
+            self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds, self._all))
             self.auditor = None
         crossings = self.audited_cloth()
         frame = FilmFrame(
             index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,
             crossings=crossings, steps=self._steps, contacts=self._contacts, min_gap=self._min_gap,
             stretch_max=self.stretch_max(),
-            avatar=None if self.surface is None else self.surface.vertices, lag=self._lag,
+            avatar=self.body()[0], lag=self._lag,
         )  # fmt: skip
         record.crossings.append((len(crossings.avatar), len(crossings.cloth)))
         record.faces.append(len(self.cloth.faces))

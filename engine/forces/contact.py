@@ -70,6 +70,8 @@ class Contacts:
         Number of leading rows whose other side is the avatar.
     energy
         Barrier energy [J].
+    distances
+        Of all (vertex-face, edge-edge) candidates against the avatar, and within the cloth [m].
     """
 
     nodes: Int
@@ -85,6 +87,7 @@ class Contacts:
     vertices: Int
     body: int
     energy: float
+    distances: tuple[tuple[Float, Float], tuple[Float, Float]]
 
     @property
     def count(self) -> int:
@@ -158,14 +161,17 @@ def _slides_past(p, ahead, kind, i, j, k, m, x, y, z, gap, four):  # type: ignor
     types.int64(
         F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64, F64_2,
         types.boolean, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
-        OUT_F64_1, OUT_I32_2, OUT_F64_1,
+        OUT_F64_1, OUT_I32_2, OUT_F64_1, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
     p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, radius_share, ahead, halves, begin,
-    nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy,
+    nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy, distance,
 ):  # fmt: skip
-    """Append the active pairs of one list from row `begin`; return the new row count."""
+    """Append the active pairs of one list from row `begin`; return the new row count.
+
+    distance: of all pairs of the list, written.
+    """
     count = begin
     w = np.empty(4, np.float64)
     four = np.empty((4, 3), np.float64)
@@ -184,6 +190,7 @@ def _evaluate(  # type: ignore[no-untyped-def]
         w[0], w[1], w[2], w[3] = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, w[0], w[1], w[2], w[3])
         d = length(x, y, z)
+        distance[row] = d
         if d <= 0.0 or (d >= r and ahead.shape[0] == 0):
             continue
         nx = x / d
@@ -332,6 +339,7 @@ def evaluate_contacts(
     weights, normal, slid = np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty((capacity, 3))
     push, hard, gap = (np.empty(capacity) for _ in range(3))
     energy = np.zeros(1)
+    of_body, of_cloth = ((np.empty(len(a)), np.empty(len(b))) for a, b in (body.pairs, cloth.pairs))
     count = 0
     touching_body = 0
     for meeting in (body, cloth):
@@ -342,6 +350,7 @@ def evaluate_contacts(
                 count = _evaluate(
                     p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, share, ahead,
                     meeting is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
+                    (of_body if meeting is body else of_cloth)[kind],
                 )  # fmt: skip
         if meeting is body:
             touching_body = count
@@ -351,4 +360,5 @@ def evaluate_contacts(
         friction=pair_friction.of(vertices[:count]), force=push[:, None] * normal,
         stiffness=hard[:, None, None] * (normal[:, :, None] * normal[:, None, :]), gap=gap[:count],
         vertices=vertices[:count], body=touching_body, energy=float(energy[0]),
+        distances=(of_body, of_cloth),
     )  # fmt: skip

@@ -51,11 +51,14 @@ class ClothRun:
 
     def audit(self) -> Crossings:
         """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
-        stepper, surface = self.stepper, self.surface
+        stepper = self.stepper
         if self.auditor is None:
-            body = (None, None) if surface is None else (surface.vertices, surface.faces)
-            self.auditor = Auditor(*body)
+            self.auditor = Auditor(*self.body())
         return self.auditor.audit(stepper.x, self.cloth.face_nodes, self.cloth.weld)
+
+    def body(self) -> tuple[Float | None, Int | None]:
+        """Vertices [m], shape (v, 3), and faces, (t, 3), of the whole avatar as it is."""
+        return (None, None) if self.surface is None else (self.surface.vertices, self.surface.faces)
 
     def audited_cloth(self) -> Crossings:
         """Take the stepper's positions and velocities over into the cloth; return its crossings."""

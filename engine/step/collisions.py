@@ -6,6 +6,7 @@ can touch, shortens displacements to what is safe, and moves the avatar along.
 
 import numpy as np
 
+from toile.collide.cover import Cover
 from toile.collide.guard import safe_factors
 from toile.collide.search import AvatarSurface, ContactSearch
 from toile.engine.cloth.cloth import Cloth
@@ -17,7 +18,13 @@ from toile.engine.solve.hessian import Hessian
 from toile.engine.solve.linear_system import ContactStencils
 from toile.engine.step.friction_anchors import slid_anchors
 from toile.engine.step.options import StepOptions
-from toile.engine.step.safe_motion import LEAST_ALLOWANCE, MOTION_AHEAD, expect, expect_avatar, safe_in_motion
+from toile.engine.step.safe_motion import (
+    LEAST_ALLOWANCE,
+    MOTION_AHEAD,
+    expect,
+    expect_avatar,
+    safe_in_motion,
+)
 from toile.geometry.arrays import Bool, Float
 
 DRIFT_ALLOWANCE, EDGE_SHARE = 5e-3, 0.2
@@ -48,7 +55,7 @@ class Collisions(NodalForce):
 
     def __init__(self, cloth: Cloth, avatar: AvatarSurface | None, options: StepOptions) -> None:
         self.options = options
-        self.avatar = avatar
+        self._cloth = cloth
         self._count = count = len(cloth.positions)
         self._thickness = node_thickness(cloth)
         self.search = ContactSearch(
@@ -56,18 +63,33 @@ class Collisions(NodalForce):
             radius_self=max(options.radius_self, float(self._thickness.max())),
             radius_body=options.radius_body,
         )  # fmt: skip
+        self.least_body_radius = options.radius_body
+        self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
+        self._own_anchor = cloth.positions
+        self._beside(avatar)
+
+    def meet(self, avatar: AvatarSurface, roam: Cover | None = None) -> None:
+        """Meet this avatar, or part of one, from here on, with no memory of searches; anchors stay.
+
+        `roam` says where nodes may be before other parts come near; None: anywhere.
+        """
+        self._own_anchor = self.anchor[: self._count]
+        self.search.meet(avatar, roam)
+        self._beside(avatar)
+
+    def _beside(self, avatar: AvatarSurface | None) -> None:
+        """Set up what there is per node and per vertex of an avatar."""
+        options, count, cloth = self.options, self._count, self._cloth
+        self.avatar = avatar
         others = 0 if avatar is None else len(avatar.vertices)
         self._pair_friction = pair_friction(cloth, others, options.friction)
         self._area = np.concatenate([cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area])
         self.radius_body = np.empty(count + others)
-        self.set_body_radius(options.radius_body)
+        self.set_body_radius(self.least_body_radius)
         radius_self = np.minimum(np.maximum(options.radius_self, self._thickness), 0.4 * cloth.shortest_edge)
         self._radius_self = np.concatenate([radius_self, np.full(others, options.radius_self)])
-        self.anchor = np.concatenate(
-            [cloth.positions, np.zeros((0, 3)) if avatar is None else avatar.vertices]
-        )
+        self.anchor = np.concatenate([self._own_anchor, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(count)
-        self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
         self.found: Contacts | None = None
 
     # As a force.
@@ -112,6 +134,7 @@ class Collisions(NodalForce):
             moving = np.zeros_like(search.positions)
             moving[: self._count] = ahead
         self.found = self._evaluate(x, moving)
+        search.measured(*self.found.distances)
         return self.found
 
     def _evaluate(self, x: Float, moving: Float) -> Contacts:
@@ -186,15 +209,6 @@ class Collisions(NodalForce):
         self.avatar.stay()
         self.anchor[self._count :] = vertices
         self.search.expire()
-
-    def begin_afresh(self) -> None:
-        """Forget what searches have found and how far nodes have moved; anchors stay."""
-        self.search.begin_afresh()
-        self._motion = np.zeros(self._count)
-        if self.avatar is not None:
-            self._area[self._count :] = self.avatar.vertex_area
-            self.avatar.move_to(self.avatar.vertices)
-            self.avatar.stay()
 
     # What may pass, and what friction holds on to.
 

@@ -13,6 +13,8 @@ LEAST_ALLOWANCE = 1e-3
 """Candidates cover MOTION_AHEAD times the last motion and LEAST_ALLOWANCE [m]: fewer searches."""
 SPREAD = 2e-3
 """Room that avatar vertices have beside their common motion [m]: where the guard stops some, others pass."""
+LAG = 1e-3
+"""Room that avatar vertices on a known way have beside it [m]: cloth holds them back a little."""
 FEW = 0.02
 """Share of nodes that may miss contacts ahead for want of candidates rather than search anew."""
 SOME = 0.3
@@ -63,10 +65,18 @@ def _search_body(
     search: ContactSearch, avatar: AvatarSurface | None, motion: Float | None, x: Float, ahead: Float,
     allowed: Float,
 ) -> None:  # fmt: skip
-    """Search pairs with the avatar for a few steps of the nodes, and of its vertices where those move."""
+    """Search pairs with the avatar for a few steps of the nodes, and of its vertices where those move.
+
+    Where it is known what they are bound for, all go on until they are there.
+    """
+    steps = STEPS_AHEAD
     if avatar is not None and motion is not None:
-        avatar.expect(np.full(len(motion), SPREAD), STEPS_AHEAD * motion)
-    search.search_body(x, allowed, drift=STEPS_AHEAD * ahead)
+        drift, room = steps * motion, np.full(len(motion), SPREAD)
+        if avatar.bound_for is not None:
+            drift, room = avatar.bound_for - avatar.vertices, LAG + avatar.off_course
+            steps = max(1.0, float((drift * motion).sum()) / max(float((motion * motion).sum()), 1e-300))
+        avatar.expect(room, drift)
+    search.search_body(x, allowed, drift=steps * ahead)
 
 
 def expect_avatar(
@@ -89,11 +99,9 @@ def expect_avatar(
     if avatar.drift is not None and (search.left_with_body(x, avatar.vertices) >= 0.0).all():
         there, avatar_there = x + ahead, avatar.vertices + motion
         left = search.left_with_body(there, avatar_there)
-        if (left[len(x) :] >= 0.0).all():
-            missing = np.count_nonzero(left[: len(x)] < 0.0)
-            some = int(SOME * len(x))
-            if missing <= FEW * len(x) or search.widen_body(there, avatar_there, LEAST_ALLOWANCE, some):
-                return
+        few_miss = (left[len(x) :] >= 0.0).all() and np.count_nonzero(left[: len(x)] < 0.0) <= FEW * len(x)
+        if few_miss or search.widen_body(there, avatar_there, LEAST_ALLOWANCE, int(SOME * len(x))):
+            return
     _search_body(search, avatar, motion, x, ahead, allowed)
 
 
@@ -109,7 +117,7 @@ def safe_in_motion(
     Parameters
     ----------
     search
-        Candidates; searched again where they are incomplete.
+        Candidates, with distances as measured at x; searched again where they are incomplete.
     x, wanted
         Nodes and their displacements [m], shape (n, 3).
     allowed
@@ -134,14 +142,15 @@ def safe_in_motion(
     if not (search.covers_cloth(x) and search.widen_cloth(x + wanted, LEAST_ALLOWANCE, few)):
         search.search_cloth(x, allowed, drift=STEPS_AHEAD * wanted)
     there = None if start is None else start + move[count:]
-    known = (search.left_with_body(x, start) >= 0.0).all()
-    if not (known and search.widen_body(x + wanted, there, LEAST_ALLOWANCE, few)):
+    complete = (search.left_with_body(x, start) >= 0.0).all()
+    some = few if there is None else int(SOME * count)
+    if not (complete and search.widen_body(x + wanted, there, LEAST_ALLOWANCE, some)):
         _search_body(search, avatar, avatar_wanted, x, wanted, allowed)
     limited = np.zeros(len(move), bool)
     for attempt in range(ATTEMPTS):
         search.place(x)
         own = move if common is None else move - common
-        factor = safe_factors(search.positions, own, *search.pairs)
+        factor = safe_factors(search.positions, own, *search.pairs, search.distances)
         cut = factor < 1.0
         limited |= cut
         done = np.where(cut[:, None], move - (1.0 - factor)[:, None] * own, move)
@@ -153,10 +162,12 @@ def safe_in_motion(
             lost = MOTION_AHEAD * (np.linalg.norm(own, axis=1) + np.linalg.norm(done, axis=1)) / TAKEN_BACK
         move = done
         room = LEAST_ALLOWANCE + TAKEN_BACK * lost
-        if avatar is not None and start is not None:
-            avatar.expect(room[count:], done[count:])
         if not search.covers_cloth(x + done[:count]):
             search.search_cloth(x, room[:count], drift=done[:count])
+        if avatar is not None and start is not None:
+            if attempt == 0 and search.widen_body(x + done[:count], start + done[count:], LEAST_ALLOWANCE, some):
+                continue
+            avatar.expect(room[count:], done[count:])
         search.search_body(x, room[:count], drift=done[:count])
     still = np.zeros_like(move)
     return SafeMove(still[:count], still[count:], np.ones(count, bool))

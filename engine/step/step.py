@@ -12,6 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from toile.collide.cover import Cover
+from toile.collide.search import AvatarSurface
 from toile.engine.forces.force import Force
 from toile.engine.forces.hold import Holds
 from toile.engine.forces.membrane import Membrane
@@ -293,10 +295,10 @@ class ClothStepper:
         """Put nodes somewhere [m] with velocities [m/s], shapes (n, 3), whatever is in between."""
         self.x[:], self.v, self.memory = positions, velocities.copy(), memory
 
-    def begin_afresh(self) -> None:
-        """Forget what was carried over but the state: steps from here on depend on nothing else."""
-        if self.collisions is not None:
-            self.collisions.begin_afresh()
+    def meet(self, avatar: AvatarSurface, roam: Cover | None) -> None:
+        """Meet this part of an avatar from here on, with no memory of searches: see `Collisions.meet`."""
+        assert self.collisions is not None
+        self.collisions.meet(avatar, roam)
 
     def save(self) -> Saved:
         """Return what a step changes, so that it can be tried again."""
