@@ -28,7 +28,9 @@ class Cover(NamedTuple):
     def allowance(self, x: Float) -> Float:
         """How far nodes may still move from x [m], shape (n,)."""
         left = np.empty(len(x))
-        _allowance(x, self.origin, STILL if self.drift is None else self.drift, self.allowed, self.leaders, left)
+        _allowance(
+            x, self.origin, STILL if self.drift is None else self.drift, self.allowed, self.leaders, left
+        )
         return left
 
 

@@ -14,7 +14,7 @@ BITS = 15
 
 
 class Measured(NamedTuple):
-    """(vertex-face, edge-edge) candidates, shapes (n, 4) and (m, 4), and distances [m], nan where not known."""
+    """(vertex-face, edge-edge) candidates, (n, 4) and (m, 4), and distances [m], nan where not known."""
 
     pairs: tuple[Int, Int]
     distances: tuple[Float, Float]
@@ -48,7 +48,9 @@ def replaced(marked: Bool, known: Measured, found: tuple[Int, Int]) -> Measured:
 def _merged(marked: Bool, known: Measured, found: Sequence[Int]) -> Measured:
     """Return known pairs without a marked vertex, and found ones, with what distances are known."""
     kept = [~with_marked(marked, rows) for rows in known.pairs]
-    pairs = [np.concatenate([old[keep], new]) for old, keep, new in zip(known.pairs, kept, found, strict=True)]
+    pairs = [
+        np.concatenate([old[keep], new]) for old, keep, new in zip(known.pairs, kept, found, strict=True)
+    ]
     distances = [
         np.concatenate([old[keep], np.full(len(new), np.nan)])
         for old, keep, new in zip(known.distances, kept, found, strict=True)

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.geometry.arrays import Float
 from toile.geometry.normals import vertex_normals
 

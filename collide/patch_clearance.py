@@ -11,9 +11,9 @@ import numpy as np
 from numba import types
 
 from toile.collide import bvh
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.fans import corners_from, fans_stay_apart
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
-from toile.collide.search import AvatarSurface
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     F64_2,

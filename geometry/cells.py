@@ -18,7 +18,7 @@ MOST, LONGEST = 4_000_000, 500
 
 @helper
 def _cell(place, side):  # type: ignore[no-untyped-def]
-    """Number of the cell along an axis in which a place lies."""
+    """Return the number of the cell along an axis in which a place lies."""
     return np.int64(np.floor(place / side))
 
 

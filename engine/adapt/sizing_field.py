@@ -4,8 +4,8 @@ from functools import reduce
 
 import numpy as np
 
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.near_surface import heights_above
-from toile.collide.search import AvatarSurface
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.membrane import Membrane
 from toile.engine.step.collisions import Collisions

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from toile.collide.skin_slots import SkinSlots
+from toile.collide.skins.skin_slots import SkinSlots
 from toile.engine.cloth.vertex_motion import Between, VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 
@@ -16,7 +16,7 @@ NEAR = 0.1
 class _Known(NamedTuple):
     """The way of some vertices, shape (k,), from a frame to the next."""
 
-    index: int
+    frame: int
     part: Int
     way: Between
 
@@ -49,7 +49,7 @@ class AvatarPath:
         if s <= 1e-9 or s >= 1.0 - 1e-9:
             return self._pose(index + round(s))[part]
         known = self._between
-        if known is None or known.index != index or known.part is not part:
+        if known is None or known.frame != index or known.part is not part:
             # Stages of steps ask for several places on the same way.
             way = self.motion.between(index, lambda frame: self._pose(frame)[part])
             known = self._between = _Known(index, part, way)

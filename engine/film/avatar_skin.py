@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.cover import Cover
-from toile.collide.search import AvatarSurface
 from toile.geometry.arrays import Float, Int
 from toile.geometry.cells import Cells
 from toile.geometry.face_boxes import swept_face_boxes
@@ -13,7 +13,7 @@ from toile.geometry.face_boxes import swept_face_boxes
 ROAM = 0.07
 """How far a node may be from where it drifts before the part near cloth is chosen anew [m]."""
 RINGS = 3
-"""Rings of cells around the way of the cloth in which skin is near: at least ROAM and a contact radius wide."""
+"""Rings of cells around the way of the cloth in which skin is near: wider than ROAM and a contact radius."""
 
 
 class NearSkin(NamedTuple):

@@ -51,9 +51,10 @@ class Simulation(ClothRun):
         self.on_frame = on_frame
         self.motion = motion
         self.pin_motion = None if cloth.handles is None else pin_motion
-        moving = motion is not None and avatar is not None
-        self.path = AvatarPath(motion, avatar[1]) if moving else None
-        self.skin = AvatarSkin(*avatar) if moving else None
+        self.path: AvatarPath | None = None
+        self.skin: AvatarSkin | None = None
+        if motion is not None and avatar is not None:
+            self.path, self.skin = AvatarPath(motion, avatar[1]), AvatarSkin(*avatar)
         self._all = np.arange(0 if avatar is None else len(avatar[0]), dtype=np.int32)
         self.record = FilmRecord()
         self._meshed_at = cloth.positions

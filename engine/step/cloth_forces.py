@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.force import Force

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from toile.collide.audit import Auditor, Crossings
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.membrane import Membrane
 from toile.engine.step.cloth_forces import cloth_stepper

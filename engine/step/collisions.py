@@ -6,9 +6,10 @@ can touch, shortens displacements to what is safe, and moves the avatar along.
 
 import numpy as np
 
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.cover import Cover
 from toile.collide.guard import safe_factors
-from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.search import ContactSearch
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.contact import NO_MOTION, Contacts, Meeting, evaluate_contacts
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
@@ -56,7 +57,7 @@ class Collisions(NodalForce):
     def __init__(self, cloth: Cloth, avatar: AvatarSurface | None, options: StepOptions) -> None:
         self.options = options
         self._cloth = cloth
-        self._count = count = len(cloth.positions)
+        self._count = len(cloth.positions)
         self._thickness = node_thickness(cloth)
         self.search = ContactSearch(
             cloth.face_nodes, cloth.weld, avatar, self_contact=options.self_contact,
@@ -65,20 +66,18 @@ class Collisions(NodalForce):
         )  # fmt: skip
         self.least_body_radius = options.radius_body
         self._allowed = np.clip(EDGE_SHARE * cloth.shortest_edge, LEAST_ALLOWANCE, DRIFT_ALLOWANCE)
-        self._own_anchor = cloth.positions
-        self._beside(avatar)
+        self._beside(avatar, cloth.positions)
 
     def meet(self, avatar: AvatarSurface, roam: Cover | None = None) -> None:
         """Meet this avatar, or part of one, from here on, with no memory of searches; anchors stay.
 
         `roam` says where nodes may be before other parts come near; None: anywhere.
         """
-        self._own_anchor = self.anchor[: self._count]
         self.search.meet(avatar, roam)
-        self._beside(avatar)
+        self._beside(avatar, self.anchor[: self._count])
 
-    def _beside(self, avatar: AvatarSurface | None) -> None:
-        """Set up what there is per node and per vertex of an avatar."""
+    def _beside(self, avatar: AvatarSurface | None, anchor: Float) -> None:
+        """Set up what there is per node and per vertex of an avatar; anchors of nodes [m], shape (n, 3)."""
         options, count, cloth = self.options, self._count, self._cloth
         self.avatar = avatar
         others = 0 if avatar is None else len(avatar.vertices)
@@ -88,7 +87,7 @@ class Collisions(NodalForce):
         self.set_body_radius(self.least_body_radius)
         radius_self = np.minimum(np.maximum(options.radius_self, self._thickness), 0.4 * cloth.shortest_edge)
         self._radius_self = np.concatenate([radius_self, np.full(others, options.radius_self)])
-        self.anchor = np.concatenate([self._own_anchor, np.zeros((0, 3)) if avatar is None else avatar.vertices])
+        self.anchor = np.concatenate([anchor, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(count)
         self.found: Contacts | None = None
 

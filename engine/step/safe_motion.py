@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.guard import safe_factors
-from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.search import ContactSearch
 from toile.geometry.arrays import Bool, Float
 
 MOTION_AHEAD = 1.1
@@ -165,7 +166,9 @@ def safe_in_motion(
         if not search.covers_cloth(x + done[:count]):
             search.search_cloth(x, room[:count], drift=done[:count])
         if avatar is not None and start is not None:
-            if attempt == 0 and search.widen_body(x + done[:count], start + done[count:], LEAST_ALLOWANCE, some):
+            if attempt == 0 and search.widen_body(
+                x + done[:count], start + done[count:], LEAST_ALLOWANCE, some
+            ):
                 continue
             avatar.expect(room[count:], done[count:])
         search.search_body(x, room[:count], drift=done[:count])

@@ -12,8 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.cover import Cover
-from toile.collide.search import AvatarSurface
 from toile.engine.forces.force import Force
 from toile.engine.forces.hold import Holds
 from toile.engine.forces.membrane import Membrane

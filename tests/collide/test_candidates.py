@@ -12,8 +12,9 @@ from tests.collide.surfaces import (
     stacked,
     vertices,
 )
+from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.edge_edge import closest_parameters
-from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.search import ContactSearch
 from toile.collide.surface import surface_of
 from toile.collide.vertex_face import closest_barycentric
 from toile.geometry.arrays import Float, Int

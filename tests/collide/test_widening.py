@@ -5,7 +5,8 @@ import pytest
 
 from tests.collide.surfaces import crumpled, stacked
 from tests.collide.test_candidates import RADIUS, listed
-from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.avatar_surface import AvatarSurface
+from toile.collide.search import ContactSearch
 from toile.geometry.arrays import Float, Int
 
 ROOM = 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toile.collide.audit import Auditor
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.adapt.remeshing import Remeshed, remesh_run, remeshed
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric

@@ -11,7 +11,7 @@ from tests.engine.film.test_simulate import level_sheet
 from tests.engine.step.test_only_what_is_asked import options
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.plan import PUSHED_NEWTON, PUSHED_TOLERANCE, FilmFrame, FilmPlan
-from toile.engine.film.simulate import Simulation
+from toile.engine.film.simulate import ARRIVED, Simulation
 from toile.engine.forces.contact import ContactLaw
 from toile.geometry.arrays import Float, Int
 
@@ -51,9 +51,9 @@ def test_a_rising_ball_lifts_the_cloth_and_never_passes_through_it() -> None:
     rise = np.linspace(0.0, 0.4, 9)[:, None] * np.array([0.0, 1.0, 0.0])
     run, frames = film(vertices, faces, rise, 0.105, plan())
     assert all(sum(found) == 0 for found in run.record.crossings)
-    assert not run.record.failure and max(run.record.lag) == 0.0
+    assert not run.record.failure and max(run.record.lag) <= ARRIVED
     assert run.cloth.positions[:, 1].max() > 0.4 + 0.1
-    assert np.array_equal(frames[-1].avatar, vertices + rise[-1])  # type: ignore[arg-type]
+    assert frames[-1].avatar == pytest.approx(vertices + rise[-1], abs=ARRIVED)
 
 
 @pytest.mark.parametrize("pull", [2.0, 8.0])

@@ -10,7 +10,7 @@ from tests.engine.forces.moving_step import MovingStep
 from tests.engine.forces.test_bend import unrolled_corners
 from tests.engine.forces.test_untangle import bump, pair
 from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.goals import Goals
 from toile.engine.forces.air_flow import AirFlow

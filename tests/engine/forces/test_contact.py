@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.collide.surfaces import crumpled, sheet, stacked
-from toile.collide.search import AvatarSurface, ContactSearch
+from toile.collide.avatar_surface import AvatarSurface
+from toile.collide.search import ContactSearch
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.forces.contact import ContactLaw, Contacts, Meeting, PairFriction, evaluate_contacts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
-from toile.collide.search import AvatarSurface
+from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.contact_pairs import BODY, node_thickness, pair_friction
 from toile.engine.step.cloth_forces import cloth_stepper

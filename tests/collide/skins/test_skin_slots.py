@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from toile.collide.audit import crossings_within
-from toile.collide.skin_slots import SLOT, SkinSlots
+from toile.collide.skins.skin_slots import SLOT, SkinSlots
 from toile.geometry.arrays import Float, Int
 
 

@@ -8,7 +8,7 @@ meets which is read off segments through every vertex near cloth, along its norm
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from toile.collide.segment_hits import SegmentHits
+from toile.collide.skins.segment_hits import SegmentHits
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import vertex_normals
 from toile.geometry.topology import triangle_topology

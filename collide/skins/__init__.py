@@ -1,0 +1,1 @@
+"""Skins of an avatar that meet."""
