@@ -284,7 +284,9 @@ class ContactSearch:
 
     def _part(self, surface: Surface, marked: Bool, ends: Float) -> Hierarchy:
         """Return the faces of marked vertices, shape (n + v,), on their way to `ends`, to be searched."""
-        part = surface_of(surface.faces[with_marked(marked, surface.faces)])
+        having = with_marked(marked, surface.faces)
+        # What has a marked vertex is owned by a face that has one.
+        part = Surface(surface.faces[having], surface.owned[having])
         boxes = np.empty((len(part.faces), 12))
         moving_boxes(self.positions, ends, part.faces, self._reach, boxes)
         return Hierarchy(part, boxes, bvh.build(boxes))

@@ -27,6 +27,7 @@ from toile.geometry.kernel import (
     I32_2,
     OUT_F64_1,
     OUT_F64_2,
+    OUT_F64_3,
     OUT_I32_2,
     helper,
     kernel,
@@ -102,12 +103,9 @@ class Contacts:
 
     def pressing(self, push: Float, hard: Float, grip: Float) -> "Contacts":
         """Return the contacts with other forces [N] and stiffnesses [N/m] along, and `grip` across, (c,)."""
-        along = self.normal[:, :, None] * self.normal[:, None, :]
-        across = grip[:, None, None] * (np.eye(3) - along)
-        return replace(
-            self, force=push[:, None] * self.normal - grip[:, None] * self.slid,
-            stiffness=hard[:, None, None] * along + across,
-        )  # fmt: skip
+        force, stiffness = np.empty((self.count, 3)), np.empty((self.count, 3, 3))
+        _press(self.normal, self.slid, push, hard, grip, force, stiffness)
+        return replace(self, force=force, stiffness=stiffness)
 
     def add_gradient(self, gradient: Float, ahead: Float | None = None) -> None:
         """Subtract contact forces [N] from a gradient, shape (n, 3).
@@ -120,6 +118,18 @@ class Contacts:
             opened = np.einsum("cq,cqi->ci", self.weights, moved)
             force = force - np.einsum("cij,cj->ci", self.stiffness, opened)
         _subtract_forces(self.nodes, self.weights, np.ascontiguousarray(force), gradient)
+
+
+@kernel(types.void(F64_2, F64_2, F64_1, F64_1, F64_1, OUT_F64_2, OUT_F64_3))
+def _press(normal, slid, push, hard, grip, force, stiffness):  # type: ignore[no-untyped-def]
+    """Write forces and stiffnesses of contacts that press and grip."""
+    for c in range(normal.shape[0]):
+        for i in range(3):
+            force[c, i] = push[c] * normal[c, i] - grip[c] * slid[c, i]
+            for j in range(3):
+                along = normal[c, i] * normal[c, j]
+                same = 1.0 if i == j else 0.0
+                stiffness[c, i, j] = hard[c] * along + grip[c] * (same - along)
 
 
 @kernel(types.void(I32_2, F64_2, F64_2, OUT_F64_2))
