@@ -266,24 +266,19 @@ def _collect(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float, same: boo
         capacity = found
 
 
-@kernel(types.int64(F64_2, I32_1, I32_2, F64_2, F64_2, I32_2, OUT_I32_2))
-def _meeting(boxes, order, child, tree_box, p, faces, pairs):  # type: ignore[no-untyped-def]
-    """Write pairs (box, face) that overlap while they fit; return how many there are."""
+@kernel(types.int64(F64_2, I32_1, I32_2, F64_2, F64_2, OUT_I32_2))
+def _meeting(boxes, order, child, tree_box, others, pairs):  # type: ignore[no-untyped-def]
+    """Write pairs (box, other box) that overlap while they fit; return how many there are."""
     capacity = pairs.shape[0]
     found = 0
     stack = np.empty(128, np.int32)
-    face = np.empty((1, 6))
-    for t in range(faces.shape[0]):
-        a, b, c = faces[t, 0], faces[t, 1], faces[t, 2]
-        for axis in range(3):
-            face[0, axis] = min(p[a, axis], p[b, axis], p[c, axis])
-            face[0, axis + 3] = max(p[a, axis], p[b, axis], p[c, axis])
+    for t in range(others.shape[0]):
         stack[0] = 0
         depth = 1
         while depth > 0:
             depth -= 1
-            node = stack[depth]
-            if _apart(tree_box, node, face, 0):
+            node = unsigned(stack[depth])
+            if _apart(tree_box, node, others, t):
                 continue
             if child[node, 0] >= 0:
                 stack[depth] = child[node, 0]
@@ -291,25 +286,25 @@ def _meeting(boxes, order, child, tree_box, p, faces, pairs):  # type: ignore[no
                 depth += 2
                 continue
             first = -1 - child[node, 0]
-            for k in range(first, first + child[node, 1]):
-                if not _apart(boxes, order[k], face, 0):
+            for k in range(unsigned(first), unsigned(first + child[node, 1])):
+                box = unsigned(order[k])
+                if not _apart(boxes, box, others, t):
                     if found < capacity:
-                        pairs[found, 0] = order[k]
+                        pairs[found, 0] = box
                         pairs[found, 1] = t
                     found += 1
     return found
 
 
-def boxes_meeting_faces(tree: Bvh, boxes: Float, points: Float, faces: Int) -> Int:
-    """Index pairs (box, face) of boxes that overlap those of faces, shape (p, 2).
+def boxes_meeting(tree: Bvh, boxes: Float, others: Float) -> Int:
+    """Index pairs (box, other) of boxes that overlap others of the same kind, shape (p, 2).
 
-    For a small tree and many faces (t, 3) of `points` [m], shape (n, 3), that are asked about once: a
-    hierarchy over them would cost more than it saves.
+    For others that are asked about once: a hierarchy over them would cost more than it saves.
     """
-    capacity = 16 * len(boxes) + 1024
+    capacity = 16 * max(len(boxes), len(others)) + 1024
     while True:
         pairs = np.empty((capacity, 2), np.int32)
-        found = _meeting(boxes, tree.order, tree.child, tree.box, points, faces, pairs)
+        found = _meeting(boxes, tree.order, tree.child, tree.box, others, pairs)
         if found <= capacity:
             return pairs[:found]
         capacity = found

@@ -239,11 +239,14 @@ class Vertices(NamedTuple):
 
 
 class Hierarchy(NamedTuple):
-    """A surface, boxes of its faces grown by the reach of their vertices, and a hierarchy fitted to them."""
+    """A surface, boxes of its faces grown by the reach of their vertices, and a hierarchy fitted to them.
+
+    A surface that is searched once, against one with a hierarchy, needs none.
+    """
 
     surface: Surface
     boxes: Float
-    tree: bvh.Bvh
+    tree: bvh.Bvh | None
 
 
 def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tuple[Int, Int]:
@@ -252,8 +255,14 @@ def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tu
     `b` is None for pairs within `a`.
     """
     if b is None:
+        assert a.tree is not None
         pairs = bvh.self_overlapping_pairs(a.tree, a.boxes)
         b = a
+    elif a.tree is None:
+        assert b.tree is not None
+        pairs = np.ascontiguousarray(bvh.boxes_meeting(b.tree, b.boxes, a.boxes)[:, ::-1])
+    elif b.tree is None:
+        pairs = bvh.boxes_meeting(a.tree, a.boxes, b.boxes)
     else:
         pairs = bvh.overlapping_pairs(a.tree, a.boxes, b.tree, b.boxes)
     one, other = a.surface, b.surface

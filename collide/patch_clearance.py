@@ -15,6 +15,7 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.fans import corners_from, fans_stay_apart
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import (
     F64_2,
     I32_1,
@@ -311,13 +312,13 @@ def clear_proposals(
     tree_new = bvh.build(boxes_new)
 
     among = bvh.self_overlapping_pairs(tree_new, boxes_new)
-    met = bvh.boxes_meeting_faces(tree_new, boxes_new, positions, faces)
+    met = bvh.boxes_meeting(tree_new, boxes_new, face_boxes(positions, faces))
     cloth = np.empty_like(met)
     link = np.full(kept + len(removed), -1, np.int32)
     cloth = cloth[: _kept_pairs(met, owner, removed, removed_owner, new, link, cloth)]
     points, welded, corners, pairs = positions, weld, [triangles, faces], [among, cloth]
     if avatar is not None:
-        body = bvh.boxes_meeting_faces(tree_new, boxes_new, avatar.vertices, avatar.faces)
+        body = bvh.boxes_meeting(tree_new, boxes_new, face_boxes(avatar.vertices, avatar.faces))
         if len(body):
             # Only the faces that are met, with corners of their own.
             own = np.arange(len(positions), len(positions) + 3 * len(body), dtype=np.int32)

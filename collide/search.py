@@ -289,7 +289,7 @@ class ContactSearch:
         part = Surface(surface.faces[having], surface.owned[having])
         boxes = np.empty((len(part.faces), 12))
         moving_boxes(self.positions, ends, part.faces, self._reach, boxes)
-        return Hierarchy(part, boxes, bvh.build(boxes))
+        return Hierarchy(part, boxes, None)
 
     def _vertices(self, ends: Float) -> Vertices:
         """All vertices as a search sees them, on their way to `ends` [m], shape (n, 3)."""

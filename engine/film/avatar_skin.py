@@ -1,5 +1,6 @@
 """The skin of a moving avatar, of which steps see the part that cloth may come to."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,10 @@ ROAM = 0.07
 """How far a node may be from where it drifts before the part near cloth is chosen anew [m]."""
 RINGS = 3
 """Rings of cells around the way of the cloth in which skin is near: wider than ROAM and a contact radius."""
+BULGE = 0.3
+"""How far the way of a vertex within a frame leaves its chord at most, as a share of it."""
+SHARES = (0.25, 0.5, 0.75)
+"""Shares of the time after which it is looked how far vertices are from their chords."""
 
 
 class NearSkin(NamedTuple):
@@ -55,7 +60,9 @@ class AvatarSkin:
         self.surface: AvatarSurface | None = None
         self._roam: Cover | None = None
 
-    def focus(self, cloth: tuple[Float, Int], drift: Float, ahead: list[Float]) -> NearSkin:
+    def focus(
+        self, cloth: tuple[Float, Int], drift: Float, end: Float, way: Callable[[float, Int], Float]
+    ) -> NearSkin:  # fmt: skip
         """Choose the part near cloth on the way ahead.
 
         Parameters
@@ -64,13 +71,17 @@ class AvatarSkin:
             Nodes [m], shape (n, 3), and faces, (t, 3).
         drift
             How far nodes will move, about [m], shape (n, 3).
-        ahead
-            Where the avatar's vertices will be in the meantime, at equal distances of time, and at last
-            [m], shapes (v, 3).
+        end
+            Where the avatar's vertices will be then [m], shape (v, 3).
+        way
+            Returns where some of them, shape (k,), are after a share of the time [m], shape (k, 3).
         """
         nodes, faces = cloth
         near = Cells.of(swept_face_boxes([nodes, nodes + drift], faces)).grown(RINGS)
-        chosen = self.faces[near.boxes_within(swept_face_boxes([self.vertices, *ahead], self.faces))]
+        boxes = swept_face_boxes([self.vertices, end], self.faces)
+        bulge = BULGE * np.linalg.norm(end - self.vertices, axis=1)[self.faces].max(axis=1)[:, None]
+        boxes += np.concatenate([-bulge, bulge], axis=1).repeat(3, axis=1)
+        chosen = self.faces[near.boxes_within(boxes)]
         if not len(chosen):
             # One face, which is nowhere near, stands for none.
             chosen = self.faces[:1]
@@ -78,13 +89,13 @@ class AvatarSkin:
         self.surface = AvatarSurface(
             self.vertices[self.part], np.ascontiguousarray(corners.reshape(-1, 3), np.int32)
         )
-        start, end = self.surface.vertices, ahead[-1][self.part]
-        self.surface.bound_for = end
-        for number, place in enumerate(ahead[:-1], 1):
-            off = place[self.part] - start - number / len(ahead) * (end - start)
+        start, chord = self.surface.vertices, end[self.part] - self.vertices[self.part]
+        self.surface.bound_for = start + chord
+        for share in SHARES:
+            off = way(share, self.part) - start - share * chord
             np.maximum(self.surface.off_course, np.linalg.norm(off, axis=1), out=self.surface.off_course)
         self._roam = Cover(nodes.copy(), np.full(len(nodes), ROAM), drift)
-        longest = float(np.linalg.norm(end - start, axis=1).max())
+        longest = float(np.linalg.norm(chord, axis=1).max())
         return NearSkin(self.surface, self._roam, longest)
 
     def reaches(self, nodes: Float) -> bool:

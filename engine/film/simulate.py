@@ -130,14 +130,15 @@ class Simulation(ClothRun):
         stepper, skin = self.stepper, self.skin
         if length and skin.reaches(stepper.x + length * stepper.v):
             return
-        end = self._frame_time() + self.plan.frame_seconds
+        path, left = self.path, self._frame_time() + self.plan.frame_seconds - since
         if length:
-            skin.whole(self.path.at(since, self._all))
-        drift = (end - since) * stepper.v
-        ahead = [self.path.at(since + share * (end - since), self._all) for share in (0.25, 0.5, 0.75, 1.0)]
-        near = skin.focus((stepper.x, self.cloth.face_nodes), drift, ahead)
+            skin.whole(path.at(since, self._all))
+        near = skin.focus(
+            (stepper.x, self.cloth.face_nodes), left * stepper.v, path.at(since + left, self._all),
+            lambda share, part: path.at(since + share * left, part),
+        )  # fmt: skip
         self.surface = near.surface
-        self._driven_speed = max(self._driven_speed, near.longest_way / (end - since))
+        self._driven_speed = max(self._driven_speed, near.longest_way / left)
         stepper.meet(near.surface, near.roam)
 
     def _jumps(self) -> bool:

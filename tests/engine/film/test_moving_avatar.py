@@ -26,10 +26,11 @@ def plan() -> FilmPlan:
 
 
 def film(
-    vertices: Float, faces: Int, places: Float, height: float, film_plan: FilmPlan
+    vertices: Float, faces: Int, places: Float, height: float, film_plan: FilmPlan, speed: float = 0.0
 ) -> tuple[Simulation, list[FilmFrame]]:
     """Cloth level at a height, above a rigid body that goes through `places`, shape (k, 3)."""
     cloth = level_sheet(0.3, 0.3, 0.05, height)
+    cloth = replace(cloth, velocities=cloth.velocities + np.array([0.0, speed, 0.0]))
     motion = VertexMotion(frames=vertices[None] + places[:, None, :], fps=FPS)
     frames: list[FilmFrame] = []
 
