@@ -1,7 +1,6 @@
 """Garments that follow a moving avatar, written frame by frame."""
 
 import math
-import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -69,10 +68,7 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
     def frames(name: str) -> Iterator[PlyMesh]:
         return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
 
-    meshes = [
-        UsdMesh(name=re.sub(r"\W", "_", file_stem(name)), colour=colour, frames=frames(name))
-        for name, colour in names
-    ]
+    meshes = [UsdMesh(name=file_stem(name), colour=colour, frames=frames(name)) for name, colour in names]
     return write_usd(folder / "dressed.usdc", fps, meshes)
 
 
@@ -181,7 +177,7 @@ class _Shown:
         """Write a PLY of every garment and of the body."""
         for garment in self.garments:
             corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
-            content = ply_bytes(garment.positions, garment.faces, corner_uv)
+            content = ply_bytes(garment.positions, garment.faces, corner_uv, garment.velocities)
             write_atomic(frame_path(frames, garment.name, index), content)
         write_atomic(frame_path(frames, BODY_NAME, index), ply_bytes(self.skin, self._avatar.faces))
 
