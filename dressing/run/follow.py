@@ -11,7 +11,7 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.checkpoint import Checkpoint, Hung
+from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
@@ -32,8 +32,6 @@ from toile.engine.film.plan import (
 from toile.engine.film.simulate import Simulation
 from toile.engine.step.options import StageClock
 
-FRAMES = "frames"
-"""Name of the folder of frames in the output folder."""
 BODY_NAME = "body"
 LONGEST_STEP = 1.0 / 60.0
 """Time steps at most [s], of two stages each."""
@@ -69,7 +67,7 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
         return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
 
     meshes = [UsdMesh(name=file_stem(name), colour=colour, frames=frames(name)) for name, colour in names]
-    return write_usd(folder / "dressed.usdc", fps, meshes)
+    return write_usd(folder / FILM, fps, meshes)
 
 
 def follow(
