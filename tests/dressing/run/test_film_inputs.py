@@ -1,4 +1,4 @@
-"""Films of awkward motions: a rest pose first, a loop that jumps back, 120 frames per second, a folder in use."""
+"""Films of awkward motions: a rest pose first, a loop that jumps back, 120 frames a second, a used folder."""
 
 import json
 from pathlib import Path
