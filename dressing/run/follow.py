@@ -33,6 +33,8 @@ from toile.engine.film.simulate import Simulation
 from toile.engine.step.options import StageClock
 
 BODY_NAME = "body"
+TIGHT = 0.4
+"""Stretch that no fabric bears: where a film reaches it, its place is told."""
 LONGEST_STEP = 1.0 / 60.0
 """Time steps at most [s], of two stages each."""
 
@@ -123,6 +125,8 @@ def follow(
         shown.go_on_from(state)
         done = len(state.record.crossings) - 1
     made = film.run((last - done) / motion.fps)
+    if max(made.stretch_max) > TIGHT:
+        listener.say(_tight_sentence(made, shown))
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing), cancelled=made.cancelled, figures=_figures(made, motion.fps),
@@ -141,12 +145,15 @@ class _Shown:
         The avatar as cloth met it then [m], shape (v, 3).
     crossing
         Frame and place in which triangles crossed first; empty while none did.
+    tightest
+        Largest stretch, its frame and its place in words, of the frames taken.
     """
 
     def __init__(self, hung: Hung, frames: Path | None) -> None:
         self.garments = hung.garments
         self.skin = hung.avatar.vertices
         self.crossing = ""
+        self.tightest = (0.0, 0, "")
         self._avatar = hung.avatar
         self._frames = frames
 
@@ -156,6 +163,8 @@ class _Shown:
         self.skin, self.garments = frame.avatar, self._as_of(frame.cloth)
         if self._frames is not None:
             self._write(self._frames, frame.index)
+        if frame.stretch_max > max(self.tightest[0], TIGHT):
+            self.tightest = (frame.stretch_max, frame.index, _tightest_place(self.garments))
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
             place = place_of(frame.cloth, frame.crossings, self.garments)
             self.crossing = f"frame {frame.index}; {place}"
@@ -178,6 +187,28 @@ class _Shown:
             content = ply_bytes(garment.positions, garment.faces, corner_uv, garment.velocities)
             write_atomic(frame_path(frames, garment.name, index), content)
         write_atomic(frame_path(frames, BODY_NAME, index), ply_bytes(self.skin, self._avatar.faces))
+
+
+def _tightest_place(garments: tuple[DressedGarment, ...]) -> str:
+    """Say in words where garments are stretched most: garment, panel and coordinates [m, Y up]."""
+    garment = max(garments, key=lambda one: 0.0 if one.strain is None else float(one.strain.max()))
+    assert garment.strain is not None
+    face = int(garment.strain.max(axis=1).argmax())
+    x, y, z = garment.positions[garment.faces[face]].mean(axis=0)
+    panel = garment.panel_names[garment.panel[face]]
+    return f"garment {garment.name}: {panel}; near ({x:.2f}, {y:.2f}, {z:.2f}) m"
+
+
+def _tight_sentence(made: FilmRecord, shown: _Shown) -> str:
+    """Say where a film stretches cloth more than fabric bears."""
+    most = max(made.stretch_max)
+    frame = made.stretch_max.index(most)
+    # The place is known of frames of this run.
+    where = f"; {shown.tightest[2]}" if shown.tightest[1] == frame and shown.tightest[2] else ""
+    return (
+        f"cloth is stretched by {100.0 * most:.0f} %, more than fabric bears, in frame {frame}{where}: the "
+        "motion leaves it no room there, or the garment is too tight"
+    )
 
 
 def _plan(scene: ResolvedScene, drape: DrapeOutcome, fps: float) -> FilmPlan:

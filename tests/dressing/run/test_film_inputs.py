@@ -89,6 +89,24 @@ def test_the_same_motion_at_24_and_at_120_frames_per_second(tmp_path: Path) -> N
     assert np.allclose(np.ptp(shirts[1], axis=0), np.ptp(shirts[0], axis=0), atol=0.02)
 
 
+def test_cloth_that_no_fabric_bears_is_told_with_its_place(tmp_path: Path) -> None:
+    """The body swells to almost twice its width: the shirt on it must stretch, at the trunk."""
+    body = mannequin()
+    swelling = np.linspace(1.0, 1.9, 7)[:, None, None] ** np.array([1.0, 0.0, 1.0])
+    path = tmp_path / "motion.npz"
+    np.savez(path, vertices=body.vertices[None] * swelling, faces=body.faces, fps=24.0)
+    scene = Scene(
+        garments=[Garment("tshirt")], avatar=AvatarFile(path=path), quality="preview", edge_length=0.03
+    )
+    said: list[str] = []
+    result = dress(scene, say=said.append)
+    animation = result.report["animation"]
+    assert animation["strain_percent_max"] > 45.0 and animation["intersections_max"] == 0
+    (told,) = [line for line in said if "more than fabric bears" in line]
+    assert f"stretched by {animation['strain_percent_max']:.0f} %" in told
+    assert f"in frame {animation['frames']}; garment tshirt: " in told and " near (" in told
+
+
 def test_a_loop_that_jumps_back(tmp_path: Path) -> None:
     """A step ahead of 0.3 m, back in one frame of 1/24 s: the shirt comes along, and nothing crosses."""
     scene = motion(tmp_path, along(0.0, 0.1, 0.2, 0.3, 0.0, 0.1), 24.0)
