@@ -10,7 +10,7 @@ Writes blender_cloth.json and blender_cloth.md.
 A square of 1 m falls on a fixed sphere (`sphere`) or swings down from two corners (`hang`) for two seconds.
 Both engines get the same vertices, triangles, areal density, stiffness, longest step and film rate, collide
 with the sphere and within the cloth, and run on one core. What crosses is counted in all frames by toile's
-audit, which uses another library than toile's contact search. CPU times are medians and count the frames
+audit, which shares no code with its contact search. CPU times are medians and count the frames
 only.
 """
 

@@ -3,8 +3,17 @@
 import fcl
 import numpy as np
 
-from toile.collide.audit import bvh_model
 from toile.geometry.arrays import Float, Int
+
+
+def bvh_model(positions: Float, faces: Int) -> fcl.BVHModel:
+    """FCL hierarchy of a triangle surface."""
+    model = fcl.BVHModel()
+    model.beginModel(len(faces), len(positions))
+    # Its loop over triangles reads numbers of Python in half the time that it takes for those of numpy.
+    model.addSubModel(positions, faces.tolist())
+    model.endModel()
+    return model
 
 
 class RigidPieces:

@@ -3,11 +3,25 @@
 import fcl
 import numpy as np
 
-from toile.collide.audit import bvh_model, crossing_faces
+from toile.collide.rigid_pieces import bvh_model
 from toile.geometry.arrays import Bool, Float, Int
 
 WIDTH = 1e-7
 """Width of the slivers that stand for segments [m]."""
+MAX_CONTACTS = 60_000
+
+
+def crossing_faces(a: fcl.CollisionObject, b: fcl.CollisionObject) -> Int:
+    """All crossing face pairs of two triangle surfaces, each once, shape (k, 2)."""
+    limit = MAX_CONTACTS
+    while True:
+        result = fcl.CollisionResult()
+        fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=limit), result)
+        if len(result.contacts) < limit:
+            break
+        limit *= 8
+    pairs = np.array([(c.b1, c.b2) for c in result.contacts], np.int32).reshape(-1, 2)
+    return np.unique(pairs, axis=0)
 
 
 class SegmentTest:

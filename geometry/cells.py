@@ -7,7 +7,6 @@ from numba import types
 from scipy.ndimage import binary_dilation
 
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import BOOL_3, F64_2, I64_1, OUT_BOOL_1, OUT_BOOL_3, helper, kernel
 
 SIDE = 0.04
@@ -33,11 +32,6 @@ class Cells(NamedTuple):
     side: float
 
     @staticmethod
-    def around(positions: Float, faces: Int) -> "Cells":
-        """Mark the cells that the boxes of faces (t, 3) of positions (n, 3) [m] overlap."""
-        return Cells.of(face_boxes(positions, faces))
-
-    @staticmethod
     def of(boxes: Float) -> "Cells":
         """Mark the cells that boxes overlap: lower corner, upper corner [m], shape (t, 6)."""
         low, high = np.split(boxes, 2, axis=1)
@@ -52,18 +46,6 @@ class Cells(NamedTuple):
         """Return them with so many rings of cells around marked ones marked, too."""
         wider = binary_dilation(np.pad(self.marked, rings), np.ones((3, 3, 3), bool), iterations=rings)
         return Cells(wider, self.first - rings, self.side)
-
-    def include(self, other: "Cells") -> bool:
-        """Whether all marked cells of another grid of this kind are marked here."""
-        if self.side != other.side:
-            return False
-        cells = np.argwhere(other.marked) + (other.first - self.first)
-        inside = ((cells >= 0) & (cells < self.marked.shape)).all(axis=1)
-        return bool(inside.all() and self.marked[tuple(cells.T)].all())
-
-    def faces_within(self, vertices: Float, faces: Int) -> Int:
-        """Return the faces (t, 3) of vertices (v, 3) [m] whose boxes overlap a marked cell, shape (k,)."""
-        return self.boxes_within(face_boxes(vertices, faces))
 
     def boxes_within(self, boxes: Float) -> Int:
         """Return which boxes, as `of` takes them, overlap a marked cell, shape (k,)."""

@@ -5,6 +5,7 @@ removed when a run has ended by itself.
 """
 
 import pickle
+import re
 import shutil
 from dataclasses import dataclass, replace
 from importlib.metadata import version
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 
 FOLDER = ".resume"
 SCENE, HUNG, FRAME = "scene", "hung", "frame"
+FRAMES, FILM = "frames", "dressed.usdc"
+"""Names in the output folder of the frames of a film, and of the file that holds them all."""
+FRAME_FILE = re.compile(r".+\.\d{4,}\.ply")
+"""Names of the files of frames."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,8 +49,9 @@ class Checkpoint:
         self.folder = output / FOLDER
 
     def begin(self, scene: ResolvedScene) -> None:
-        """Forget an earlier run and note the scene."""
+        """Forget an earlier run, with its film, and note the scene."""
         self.end()
+        self._remove_film()
         writable_folder(self.folder)
         self._write(SCENE, _with_whole_paths(scene))
 
@@ -61,6 +67,17 @@ class Checkpoint:
         """Remove all traces."""
         if self.folder.is_dir():
             shutil.rmtree(self.folder)
+
+    def _remove_film(self) -> None:
+        """Remove the frames of an earlier run, of which there may be more, and nothing else."""
+        frames = self.output / FRAMES
+        if frames.is_dir():
+            for path in list(frames.iterdir()):
+                if FRAME_FILE.fullmatch(path.name):
+                    path.unlink()
+            if not any(frames.iterdir()):
+                frames.rmdir()
+        (self.output / FILM).unlink(missing_ok=True)
 
     def load(self) -> "tuple[ResolvedScene, Hung | None, FilmState | None]":
         """Return what was noted last. Raises InputError if there is nothing to resume."""

@@ -1,7 +1,6 @@
 """Garments that follow a moving avatar, written frame by frame."""
 
 import math
-import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -12,7 +11,7 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.checkpoint import Checkpoint, Hung
+from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
@@ -33,9 +32,9 @@ from toile.engine.film.plan import (
 from toile.engine.film.simulate import Simulation
 from toile.engine.step.options import StageClock
 
-FRAMES = "frames"
-"""Name of the folder of frames in the output folder."""
 BODY_NAME = "body"
+TIGHT = 0.4
+"""Stretch that no fabric bears: where a film reaches it, its place is told."""
 LONGEST_STEP = 1.0 / 60.0
 """Time steps at most [s], of two stages each."""
 
@@ -69,11 +68,8 @@ def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, c
     def frames(name: str) -> Iterator[PlyMesh]:
         return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
 
-    meshes = [
-        UsdMesh(name=re.sub(r"\W", "_", file_stem(name)), colour=colour, frames=frames(name))
-        for name, colour in names
-    ]
-    return write_usd(folder / "dressed.usdc", fps, meshes)
+    meshes = [UsdMesh(name=file_stem(name), colour=colour, frames=frames(name)) for name, colour in names]
+    return write_usd(folder / FILM, fps, meshes)
 
 
 def follow(
@@ -129,6 +125,8 @@ def follow(
         shown.go_on_from(state)
         done = len(state.record.crossings) - 1
     made = film.run((last - done) / motion.fps)
+    if max(made.stretch_max) > TIGHT:
+        listener.say(_tight_sentence(made, shown))
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing), cancelled=made.cancelled, figures=_figures(made, motion.fps),
@@ -147,12 +145,15 @@ class _Shown:
         The avatar as cloth met it then [m], shape (v, 3).
     crossing
         Frame and place in which triangles crossed first; empty while none did.
+    tightest
+        Largest stretch, its frame and its place in words, of the frames taken.
     """
 
     def __init__(self, hung: Hung, frames: Path | None) -> None:
         self.garments = hung.garments
         self.skin = hung.avatar.vertices
         self.crossing = ""
+        self.tightest = (0.0, 0, "")
         self._avatar = hung.avatar
         self._frames = frames
 
@@ -162,6 +163,8 @@ class _Shown:
         self.skin, self.garments = frame.avatar, self._as_of(frame.cloth)
         if self._frames is not None:
             self._write(self._frames, frame.index)
+        if frame.stretch_max > max(self.tightest[0], TIGHT):
+            self.tightest = (frame.stretch_max, frame.index, _tightest_place(self.garments))
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
             place = place_of(frame.cloth, frame.crossings, self.garments)
             self.crossing = f"frame {frame.index}; {place}"
@@ -181,9 +184,31 @@ class _Shown:
         """Write a PLY of every garment and of the body."""
         for garment in self.garments:
             corner_uv = garment.uv[garment.uv_faces] if garment.uv.any() else None
-            content = ply_bytes(garment.positions, garment.faces, corner_uv)
+            content = ply_bytes(garment.positions, garment.faces, corner_uv, garment.velocities)
             write_atomic(frame_path(frames, garment.name, index), content)
         write_atomic(frame_path(frames, BODY_NAME, index), ply_bytes(self.skin, self._avatar.faces))
+
+
+def _tightest_place(garments: tuple[DressedGarment, ...]) -> str:
+    """Say in words where garments are stretched most: garment, panel and coordinates [m, Y up]."""
+    garment = max(garments, key=lambda one: 0.0 if one.strain is None else float(one.strain.max()))
+    assert garment.strain is not None
+    face = int(garment.strain.max(axis=1).argmax())
+    x, y, z = garment.positions[garment.faces[face]].mean(axis=0)
+    panel = garment.panel_names[garment.panel[face]]
+    return f"garment {garment.name}: {panel}; near ({x:.2f}, {y:.2f}, {z:.2f}) m"
+
+
+def _tight_sentence(made: FilmRecord, shown: _Shown) -> str:
+    """Say where a film stretches cloth more than fabric bears."""
+    most = max(made.stretch_max)
+    frame = made.stretch_max.index(most)
+    # The place is known of frames of this run.
+    where = f"; {shown.tightest[2]}" if shown.tightest[1] == frame and shown.tightest[2] else ""
+    return (
+        f"cloth is stretched by {100.0 * most:.0f} %, more than fabric bears, in frame {frame}{where}: the "
+        "motion leaves it no room there, or the garment is too tight"
+    )
 
 
 def _plan(scene: ResolvedScene, drape: DrapeOutcome, fps: float) -> FilmPlan:

@@ -49,6 +49,7 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     for note in avatar.notes:
         listener.say(f"{avatar.name}: {note}")
     compile_seconds = load_scene_kernels(scene, checkpoint is not None, listener)
+    _say_jump(avatar, listener)
     form = DressForm(avatar)
     reading_seconds = time.perf_counter() - wall - compile_seconds
     sewing = _sew(scene, form, checkpoint, listener)
@@ -77,6 +78,15 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
         ),
     )
     return Hung(avatar=avatar, drape=outcome, garments=garments, report=report)
+
+
+def _say_jump(avatar: Avatar, listener: Listener) -> None:
+    """Say where a film will end early."""
+    from toile.dressing.run.jumps import jump_of
+
+    jump = jump_of(avatar)
+    if jump is not None:
+        listener.say(f"{avatar.name}: {jump}")
 
 
 def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) -> float:

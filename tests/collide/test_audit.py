@@ -1,57 +1,12 @@
 """The audit counts exactly the crossing face pairs."""
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
+from tests.collide.rational_triangles import crossing_between, crossing_in_rationals
 from tests.collide.surfaces import crumpled, sheet, stacked
-from toile.collide.audit import MAX_CONTACTS, Auditor
+from toile.collide.audit import Auditor
 from toile.geometry.arrays import Float, Int
-
-Point = list[Fraction]
-
-
-def exact(point: Float) -> Point:
-    return [Fraction(float(value)) for value in point]
-
-
-def side(*corners: Point) -> int:
-    """Sign of the volume of the tetrahedron abcd, in rational arithmetic."""
-    u, v, w = ([y - x for x, y in zip(corners[0], other, strict=True)] for other in corners[1:])
-    volume = (
-        u[0] * (v[1] * w[2] - v[2] * w[1])
-        - u[1] * (v[0] * w[2] - v[2] * w[0])
-        + u[2] * (v[0] * w[1] - v[1] * w[0])
-    )
-    return (volume > 0) - (volume < 0)
-
-
-def stabs(p: Point, q: Point, face: list[Point]) -> bool:
-    """Whether segment pq passes through the inside of a face."""
-    if side(*face, p) * side(*face, q) >= 0:
-        return False
-    turns = {side(p, q, face[k], face[(k + 1) % 3]) for k in range(3)}
-    return turns in ({1}, {-1})
-
-
-def crossing_pairs(a: Float, faces_a: Int, b: Float, faces_b: Int) -> set[tuple[int, int]]:
-    """Face pairs that cross: an edge of one passes through the other, in rational arithmetic."""
-    low_a, high_a = a[faces_a].min(axis=1), a[faces_a].max(axis=1)
-    low_b, high_b = b[faces_b].min(axis=1), b[faces_b].max(axis=1)
-    close = (low_a[:, None] <= high_b[None]).all(axis=2) & (low_b[None] <= high_a[:, None]).all(axis=2)
-    found = set()
-    for i, j in zip(*np.nonzero(close), strict=True):
-        one, two = [exact(x) for x in a[faces_a[i]]], [exact(x) for x in b[faces_b[j]]]
-        if any(
-            stabs(one[k], one[(k + 1) % 3], two) or stabs(two[k], two[(k + 1) % 3], one) for k in range(3)
-        ):
-            found.add((int(i), int(j)))
-    return found
-
-
-def within(positions: Float, faces: Int) -> set[tuple[int, int]]:
-    return {(i, j) for i, j in crossing_pairs(positions, faces, positions, faces) if i < j}
 
 
 def as_set(pairs: Int) -> set[tuple[int, int]]:
@@ -70,8 +25,8 @@ def test_counts_are_exact(seed: int) -> None:
     x, faces = stacked([crumpled(generator, 5, 0.02, 0.35) for _ in range(2)])
     body, body_faces = crumpled(generator, 5, 0.02, 0.2)
     found = Auditor(body, body_faces).audit(x, faces, unsewn(x))
-    assert as_set(found.avatar) == crossing_pairs(x, faces, body, body_faces)
-    assert as_set(found.cloth) == within(x, faces)
+    assert as_set(found.avatar) == crossing_between(x, faces, body, body_faces)
+    assert as_set(found.cloth) == crossing_in_rationals(x, faces)
     assert len(found.avatar) > 5 and len(found.cloth) > 5
 
 
@@ -84,7 +39,11 @@ def test_close_layers_do_not_cross(gap: float) -> None:
     assert len(found.avatar) == 0 and len(found.cloth) == 0
     poked = x.copy()
     poked[36 + 14, 1] = -0.3 * gap
-    assert as_set(Auditor(None, None).audit(poked, both, unsewn(x)).cloth) == within(poked, both) != set()
+    assert (
+        as_set(Auditor(None, None).audit(poked, both, unsewn(x)).cloth)
+        == crossing_in_rationals(poked, both)
+        != set()
+    )
 
 
 def test_neighbours_touch_but_do_not_count() -> None:
@@ -124,7 +83,7 @@ def test_open_seams_do_not_count_until_they_are_sewn() -> None:
     other[:, 1] = 0.1 * (other[:, 0] - 0.006) + 0.01 * other[:, 2]
     x, both = stacked([(flat, faces), (other, faces)])
     apart = Auditor(None, None).audit(x, both, unsewn(x))
-    assert as_set(apart.cloth) == within(x, both) != set()
+    assert as_set(apart.cloth) == crossing_in_rationals(x, both) != set()
     # The columns at x = 0 are to be sewn: only the pairs along that seam may overlap.
     weld = unsewn(x)
     weld[9:12] = weld[0:3]
@@ -146,22 +105,5 @@ def test_cloth_that_wanders_over_an_avatar_meets_it_wherever_it_gets() -> None:
     for place in (*body[::65], 3.0 * body[0]):
         x = patch + place
         found = as_set(auditor.audit(x, faces, unsewn(x)).avatar)
-        assert found == crossing_pairs(x, faces, body, body_faces)
+        assert found == crossing_between(x, faces, body, body_faces)
         assert found or (place == 3.0 * body[0]).all()
-
-
-def test_more_contacts_than_the_first_limit() -> None:
-    """A grid of upright triangles: every one along crosses every one across."""
-    count = 270
-    k = np.arange(count, dtype=np.float64)
-    low, high = np.full(count, -1.0), np.full(count, 2.0 * count)
-    zero, up = np.zeros(count), np.full(count, 1.0)
-    along = np.stack(
-        [np.column_stack(c) for c in ((low, zero, k), (high, zero, k), (low, 3 * high, k))], axis=1
-    )
-    across = np.stack([np.column_stack(c) for c in ((k, up, low), (k, up, high), (k, 3 * high, low))], axis=1)
-    faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-    x = across.reshape(-1, 3).copy()
-    found = Auditor(along.reshape(-1, 3).copy(), faces).audit(x, faces, unsewn(x))
-    assert len(found.avatar) == count * count > MAX_CONTACTS
-    assert len(found.cloth) == 0

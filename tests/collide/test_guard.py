@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.collide.rational_triangles import crossing_in_rationals
 from tests.collide.surfaces import (
     all_edge_edges,
     all_vertex_faces,
@@ -13,7 +14,9 @@ from tests.collide.surfaces import (
     vertices,
 )
 from tests.collide.test_candidates import distance
+from tests.collide.test_crossings import UPRIGHT, grid
 from toile.collide import guard
+from toile.collide.audit import crossings_within
 from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.guard import FLOOR, KEPT_SHARE, safe_factors
 from toile.collide.search import ContactSearch
@@ -186,6 +189,26 @@ def test_the_candidates_of_the_search_are_enough() -> None:
         assert collisions(p, motion, *all_pairs(p, whole_faces)) == []
         x = x + motion[: len(x)]
     assert search.rebuilds > 1
+
+
+@pytest.mark.parametrize("place", UPRIGHT.values(), ids=list(UPRIGHT))
+def test_sheets_do_not_pass_through_each_other_along_edges(place: tuple[float, float, float]) -> None:
+    """Edges fall on edges, or within faces: the sheet pressed on the other stops, and nothing meets."""
+    upright, faces = grid(place, 0, 1, 4)
+    level, level_faces = grid((-0.4, 1.3, 0.25), 0, 2, 4)
+    upright[:, 1] += 1.3 - upright[:, 1].min() + 0.01
+    x, both = stacked([(level, level_faces), (upright, faces)])
+    pairs = all_pairs(x, both)
+    for _ in range(8):
+        move = np.zeros_like(x)
+        move[len(level) :, 1] = -0.45
+        move *= safe_factors(x, move, *pairs)[:, None]
+        assert collisions(x, move, *pairs) == []
+        x = x + move
+        assert crossing_in_rationals(x, both) == set()
+        assert len(crossings_within(x, both, vertices(len(x)))) == 0
+    on_level = x[len(level) :][(x[len(level) :, 2] >= 0.25) & (x[len(level) :, 2] <= 1.05)]
+    assert 1.3 < on_level[:, 1].min() < 1.301
 
 
 def test_nearly_parallel_edges_do_not_slip_through() -> None:

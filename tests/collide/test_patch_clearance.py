@@ -10,9 +10,10 @@ import trimesh
 
 from tests.collide.surfaces import crumpled, sheet, stacked, vertices
 from toile.collide import bvh
-from toile.collide.audit import Auditor, bvh_model
+from toile.collide.audit import Auditor
 from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.patch_clearance import PatchChanges, clear_proposals
+from toile.collide.rigid_pieces import bvh_model
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.topology import triangle_topology
 

@@ -1,12 +1,13 @@
 """Segments through the avatar, and rigid pieces against each other."""
 
+import fcl
 import numpy as np
 import pytest
 import trimesh
 
 from tests.collide.surfaces import sheet, stacked
-from toile.collide.rigid_pieces import RigidPieces
-from toile.collide.segments import SegmentTest
+from toile.collide.rigid_pieces import RigidPieces, bvh_model
+from toile.collide.segments import MAX_CONTACTS, SegmentTest, crossing_faces
 from toile.geometry.arrays import Float, Int
 
 RADIUS = 0.1
@@ -84,3 +85,21 @@ def test_pieces_cross_the_avatar_surface() -> None:
     # Wholly inside is not across: the surface is what counts.
     assert not pieces.crosses_avatar(0, np.zeros(3))
     assert pieces.crosses_avatar(0, np.array([0.06, 0.0, 0.0]))
+
+
+def test_more_contacts_than_the_first_limit() -> None:
+    """A grid of upright triangles: every one along crosses every one across."""
+    count = 270
+    k = np.arange(count, dtype=np.float64)
+    low, high = np.full(count, -1.0), np.full(count, 2.0 * count)
+    zero, up = np.zeros(count), np.full(count, 1.0)
+    along = np.stack(
+        [np.column_stack(c) for c in ((low, zero, k), (high, zero, k), (low, 3 * high, k))], axis=1
+    )
+    across = np.stack([np.column_stack(c) for c in ((k, up, low), (k, up, high), (k, 3 * high, low))], axis=1)
+    faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    one, other = (
+        fcl.CollisionObject(bvh_model(corners.reshape(-1, 3).copy(), faces), fcl.Transform())
+        for corners in (along, across)
+    )
+    assert len(crossing_faces(one, other)) == count * count > MAX_CONTACTS

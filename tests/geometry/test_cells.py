@@ -5,6 +5,7 @@ import pytest
 
 from toile.geometry.arrays import Float, Int
 from toile.geometry.cells import SIDE, Cells
+from toile.geometry.face_boxes import face_boxes, swept_face_boxes
 
 
 def triangles(generator: np.random.Generator, count: int, size: float, spread: float) -> tuple[Float, Int]:
@@ -29,21 +30,30 @@ def test_no_face_that_meets_the_surface_is_left_out(size: float, offset: float) 
     generator = np.random.default_rng(3)
     cloth, body = triangles(generator, 60, size, 0.3), triangles(generator, 400, size, 1.0)
     cloth, body = (cloth[0] + offset, cloth[1]), (body[0] + offset, body[1])
-    near = Cells.around(*cloth).faces_within(*body)
+    here = Cells.of(face_boxes(*cloth))
+    near = here.boxes_within(face_boxes(*body))
     assert set(np.flatnonzero(boxes_meet(cloth, body, 0.0))) <= set(near)
     if size == 0.01:
         assert not set(near) - set(np.flatnonzero(boxes_meet(cloth, body, SIDE)))
-    here = Cells.around(*cloth)
     grown = here.grown(2)
-    assert set(np.flatnonzero(boxes_meet(cloth, body, 2.0 * SIDE))) <= set(grown.faces_within(*body))
-    assert here.include(here) and grown.include(here) and not here.include(grown)
-    moved = Cells.around(cloth[0] + 1.9 * SIDE, cloth[1])
-    assert grown.include(moved) and not here.include(moved)
+    assert set(np.flatnonzero(boxes_meet(cloth, body, 2.0 * SIDE))) <= set(
+        grown.boxes_within(face_boxes(*body))
+    )
+
+
+def test_boxes_of_faces_on_their_way_hold_them_all_the_way() -> None:
+    generator = np.random.default_rng(5)
+    start, faces = triangles(generator, 40, 0.05, 0.5)
+    end = start + generator.normal(scale=0.2, size=start.shape)
+    boxes = swept_face_boxes([start, end], faces)
+    for share in (0.0, 0.3, 1.0):
+        corners = (start + share * (end - start))[faces]
+        assert (boxes[:, None, :3] <= corners).all() and (corners <= boxes[:, None, 3:]).all()
 
 
 def test_a_large_scene_has_larger_cells() -> None:
     generator = np.random.default_rng(4)
     cloth = triangles(generator, 50, 0.1, 500.0)
-    cells = Cells.around(*cloth)
+    cells = Cells.of(face_boxes(*cloth))
     assert cells.side > SIDE and cells.marked.size < 5_000_000
-    assert len(cells.faces_within(*cloth)) == 50
+    assert len(cells.boxes_within(face_boxes(*cloth))) == 50

@@ -1,4 +1,4 @@
-"""Binary PLY: nodes and triangles, perhaps with texture coordinates of their corners."""
+"""Binary PLY: nodes and triangles, perhaps with velocities and with texture coordinates of corners."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -10,28 +10,38 @@ from toile.geometry.arrays import Float, Int
 HEADER = (
     "ply\nformat binary_little_endian 1.0\n"
     "element vertex {vertices}\n"
-    "property double x\nproperty double y\nproperty double z\n"
+    "property double x\nproperty double y\nproperty double z\n{more}"
     "element face {faces}\n"
     "property list uchar int vertex_indices\n"
 )
+VELOCITY = "property float vx\nproperty float vy\nproperty float vz\n"
 TEXCOORD = "property list uchar float texcoord\n"
 END = "end_header\n"
 
 
 class PlyMesh(NamedTuple):
-    """Vertices, shape (n, 3), triangles, (t, 3), and texture coordinates of their corners, (t, 3, 2)."""
+    """A mesh.
+
+    positions: vertices, shape (n, 3). faces: triangles, (t, 3). corner_uv: texture coordinates of their
+    corners, (t, 3, 2). velocities: of the vertices, per second, (n, 3).
+    """
 
     positions: Float
     faces: Int
-    corner_uv: Float | None
+    corner_uv: Float | None = None
+    velocities: Float | None = None
 
 
-def ply_bytes(positions: Float, faces: Int, corner_uv: Float | None = None) -> bytes:
+def ply_bytes(
+    positions: Float, faces: Int, corner_uv: Float | None = None, velocities: Float | None = None
+) -> bytes:
     """Return a binary little-endian PLY file; float64 keeps gaps that float32 would round away.
 
-    `corner_uv`, shape (t, 3, 2), becomes the face property `texcoord`: seams have two values per vertex.
+    `corner_uv`, shape (t, 3, 2), becomes the face property `texcoord`: seams have two values per vertex;
+    `velocities`, shape (n, 3), become vertex properties.
     """
-    header = HEADER.format(vertices=len(positions), faces=len(faces))
+    more = "" if velocities is None else VELOCITY
+    header = HEADER.format(vertices=len(positions), faces=len(faces), more=more)
     header += END if corner_uv is None else TEXCOORD + END
     rows = np.empty(len(faces), dtype=_row(corner_uv is not None))
     rows["count"] = 3
@@ -39,7 +49,11 @@ def ply_bytes(positions: Float, faces: Int, corner_uv: Float | None = None) -> b
     if corner_uv is not None:
         rows["uv_count"] = 6
         rows["uv"] = corner_uv.reshape(-1, 6)
-    return header.encode() + np.ascontiguousarray(positions, dtype="<f8").tobytes() + rows.tobytes()
+    vertices = np.empty(len(positions), dtype=_vertex_row(velocities is not None))
+    vertices["place"] = positions
+    if velocities is not None:
+        vertices["velocity"] = velocities
+    return header.encode() + vertices.tobytes() + rows.tobytes()
 
 
 def read_own_ply(path: Path) -> PlyMesh:
@@ -49,10 +63,22 @@ def read_own_ply(path: Path) -> PlyMesh:
     lines = head.decode().splitlines()
     vertices, faces = (int(line.split()[2]) for line in lines if line.startswith("element"))
     has_uv = TEXCOORD.strip() in lines
-    positions = np.frombuffer(data, "<f8", 3 * vertices).reshape(-1, 3)
-    rows = np.frombuffer(data, _row(has_uv), faces, 24 * vertices)
-    corner_uv = rows["uv"].astype(np.float64).reshape(-1, 3, 2) if has_uv else None
-    return PlyMesh(positions, np.ascontiguousarray(rows["corners"]), corner_uv)
+    has_velocity = "property float vx" in lines
+    layout = _vertex_row(has_velocity)
+    held = np.frombuffer(data, layout, vertices)
+    rows = np.frombuffer(data, _row(has_uv), faces, layout.itemsize * vertices)
+    return PlyMesh(
+        positions=np.ascontiguousarray(held["place"]),
+        faces=np.ascontiguousarray(rows["corners"]),
+        corner_uv=rows["uv"].astype(np.float64).reshape(-1, 3, 2) if has_uv else None,
+        velocities=held["velocity"].astype(np.float64) if has_velocity else None,
+    )
+
+
+def _vertex_row(has_velocity: bool) -> np.dtype[np.void]:
+    """Return the layout of a vertex."""
+    velocity = [("velocity", "<f4", (3,))] if has_velocity else []
+    return np.dtype([("place", "<f8", (3,)), *velocity])
 
 
 def _row(has_uv: bool) -> np.dtype[np.void]:
