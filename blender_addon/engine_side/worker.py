@@ -114,10 +114,11 @@ def _draft(folder: Path) -> None:
 
     scene = resolve(load_scene(folder / "scene.toml"))
     sewn = sewing_edges(scene.edge_length, COARSEST * scene.edge_length)[0]
-    mesh = load_garment(scene.garments[0], DressForm(load_scene_avatar(scene.avatar)), sewn)
+    form = DressForm(load_scene_avatar(scene.avatar))
+    mesh = load_garment(scene.garments[0], form, sewn)
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
     np.savez(
-        folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,
-        panel=mesh.panel, **labels,
+        folder / "draft.npz", vertices=form.place.outward(mesh.positions), faces=mesh.faces, uv=mesh.uv,
+        stitches=mesh.stitches, panel=mesh.panel, **labels,
     )  # fmt: skip
     _tell(done={"name": mesh.name, "panels": list(mesh.panel_names)})

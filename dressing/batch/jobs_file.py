@@ -98,6 +98,8 @@ class JobsFile:
         kind = (SCENE_KEYS[""] | SCENE_KEYS["avatar"]).get(column, (str, ""))[0]
         if kind is str or column in ("avatar", "garment", "fabric"):
             return cell
+        if kind is list:
+            return [name.strip() for name in cell.split(";")]
         if cell.lower() in ("true", "false"):
             return cell.lower() == "true"
         try:

@@ -4,14 +4,24 @@ from functools import cached_property
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.place import Place
 from toile.geometry.errors import InputError
 
 
 class DressForm:
-    """An avatar with its measurements, which are taken once, when first asked for."""
+    """An avatar in its own frame, with its measurements, which are taken once, when first asked for.
+
+    Attributes
+    ----------
+    avatar
+        The body in its own frame.
+    place
+        Where it stands in the room of its file.
+    """
 
     def __init__(self, avatar: Avatar) -> None:
-        self.avatar = avatar
+        self.place = Place.of(avatar)
+        self.avatar = self.place.own(avatar)
 
     @cached_property
     def measured(self) -> Measurements | InputError:

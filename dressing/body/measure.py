@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.avatar_sections import Section, cut, level_cut
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.place import Place
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
@@ -18,6 +19,13 @@ STEP = 0.005
 PALM, WRIST = 6, (11, 18)
 """Where the palm begins and the wrist lies: distance from the fingertip along the mesh's edges, in hundredths
 of the height (a hand is 0.105 heights long; paths along edges are about a tenth longer)."""
+
+BUST, BUST_BELOW = 0.724, 0.026
+"""Level of the bust, and how far it is below the armpit, in body heights: 0.721, 0.724 and 0.727, and 0.0253,
+0.0240 and 0.0263, on three mean bodies."""
+
+THIGH = 0.0045
+"""How far below the crotch the thigh is measured, in body heights: above, flesh between the thighs counts."""
 
 NECK_BASE_SLOPE = float(np.tan(np.radians(32.0)))
 """Slope of the outline at the base of the neck; shoulders fall at about 20 degrees."""
@@ -62,15 +70,15 @@ class _Body:
 
 
 def measure(avatar: Avatar) -> Measurements:
-    """Measure a standing body in A- or T-pose, Y up, facing +Z.
+    """Measure a standing body in A- or T-pose, wherever it stands and whichever way it faces.
 
     Girths are convex (a tape measure bridges hollows), arms and hands left out; of the limbs, the left
     (+X) ones are measured. Raises InputError if the body sits, lies, or holds its arms up or at its sides
     without a gap.
     """
-    vertices = np.ascontiguousarray(avatar.vertices)
-    floor = float(vertices[:, 1].min())
-    vertices = vertices - (0.0, floor, 0.0)
+    avatar = Place.of(avatar).own(avatar)
+    vertices, faces = avatar.solid or (avatar.vertices, avatar.faces)
+    vertices = vertices - (0.0, vertices[:, 1].min(), 0.0)
     height = float(vertices[:, 1].max())
     band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
     if not len(band):
@@ -79,13 +87,13 @@ def measure(avatar: Avatar) -> Measurements:
             field="avatar",
         )
     middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
-    body = _Body(name=avatar.name, vertices=vertices, faces=avatar.faces, height=height, middle=middle)
+    body = _Body(name=avatar.name, vertices=vertices, faces=faces, height=height, middle=middle)
 
     crotch = _crotch_level(body)
     armpit, armpit_x = _armpit(body, crotch)
     waist_level, waist = _waist(body, crotch, armpit)
     hip_level, hip = _largest(body, crotch + 0.01 * height, crotch + 0.075 * height)
-    chest_level, chest = _largest(body, waist_level + 0.06 * height, armpit - 0.004 * height)
+    chest_level, chest = _chest(body, waist_level, armpit)
     silhouette = _silhouette(body, armpit)
     neck_x, neck_level = _neck_base(body, silhouette)
     shoulder_x = float(np.clip(armpit_x, middle + 1.5 * (neck_x - middle), middle + 0.135 * height))
@@ -115,7 +123,7 @@ def measure(avatar: Avatar) -> Measurements:
         hip_height=hip_level,
         crotch_height=crotch,
         arm_angle=arm.angle,
-        shoulder_point=(shoulder_x, shoulder_y + floor, shoulder_z),
+        shoulder_point=(shoulder_x, shoulder_y, shoulder_z),
         torso_depth=_torso_depth(body, crotch, armpit, shoulder_x, shoulder_y),
     )
 
@@ -176,6 +184,19 @@ def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:
     girths = [body.trunk_girth(level) for level in levels]
     best = int(np.argmax(girths))
     return float(levels[best]), girths[best]
+
+
+def _chest(body: _Body, waist: float, armpit: float) -> tuple[float, float]:
+    """Level and girth of the chest: where it is largest below the armpit, or at the usual level of the bust.
+
+    Where the girth grows all the way up to the armpit, it takes in the muscles of the arms.
+    """
+    low, high = waist + 0.06 * body.height, armpit - 0.004 * body.height
+    level, girth = _largest(body, low, high)
+    if level < high - 1.5 * STEP * body.height:
+        return level, girth
+    level = min(high, max(armpit - BUST_BELOW * body.height, BUST * body.height))
+    return level, body.trunk_girth(level)
 
 
 def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
@@ -255,7 +276,7 @@ def _thigh(body: _Body, crotch: float) -> float:
     """Largest girth of the left thigh just below the crotch [m]."""
     girths = [
         section.girth
-        for level in body.levels(crotch - 0.03 * body.height, crotch - 0.01 * body.height)
+        for level in body.levels(crotch - 0.03 * body.height, crotch - THIGH * body.height)
         for section in level_cut(body.vertices, body.faces, level)
         if body.middle - 0.01 < section.centre[0] < body.middle + 0.14 * body.height
     ]
@@ -313,8 +334,9 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
     top = centres[-1]
     along = centres[wrist] - top
     start = np.array([shoulder[0], shoulder[1], top[2]])
+    elbow = centres[(wrist + len(centres) - 1) // 2]
     return _Arm(
-        length=float(np.linalg.norm(centres[wrist] - start)),
+        length=float(np.linalg.norm(centres[wrist] - elbow) + np.linalg.norm(elbow - start)),
         wrist=float(girths[wrist]),
         upper_arm=float(near_shoulder.max()),
         angle=float(np.arctan2(-along[1], along[0])),

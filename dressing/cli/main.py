@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.measure import add_measure
-from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser, body_length
+from toile.dressing.cli.parser import (
+    BAD_INPUT,
+    CANCELLED,
+    DONE,
+    FAILED,
+    READING,
+    Commands,
+    Parser,
+    add_reading,
+    body_length,
+    reading_of,
+)
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -88,6 +99,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns = commands.add_parser("patterns", help="list or write the built-in patterns")
     patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
     patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft the patterns to")
+    add_reading(patterns)
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
@@ -114,15 +126,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="body: .obj .ply .stl .glb .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, an "
         "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
     )
-    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a moving BODY")
-    dress.add_argument(
-        "--time", type=float, metavar="S", help="dress a moving BODY as it stands at S seconds"
-    )
-    dress.add_argument(
-        "--clip", metavar="NAME", help="animation of a .glb or .gltf BODY (default: the first)"
-    )
-    dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
-    dress.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
+    add_reading(dress)
     dress.add_argument(
         "--garment",
         action="append",
@@ -231,16 +235,10 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
-    reading = {
-        name: value
-        for name in ("units", "up", "fps", "time", "clip")
-        if (value := getattr(options, name)) is not None
-    }
+    reading = reading_of(options)
     if options.avatar is None and reading:
-        raise InputError(
-            "--units, --up, --fps, --time and --clip describe the file of --avatar, which is missing",
-            field="--avatar",
-        )
+        words = ", ".join(f"--{name}" for name in READING)
+        raise InputError(f"{words} describe the file of --avatar, which is missing", field="--avatar")
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, **reading)
     garments = tuple(Garment(source) for source in options.garment)
@@ -333,7 +331,8 @@ def _run_patterns(options: argparse.Namespace) -> int:
     from toile.dressing.run.scene_avatar import load_scene_avatar
 
     folder = writable_folder(options.write)
-    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar)
+    reading = reading_of(options)
+    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar, **reading)
     form = DressForm(load_scene_avatar(source))
     for name in built_in_names():
         path = folder / f"{name}_specification.json"

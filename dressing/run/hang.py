@@ -7,6 +7,7 @@ from typing import Any
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
@@ -56,7 +57,7 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     for note in outcome.notes:
         listener.say(note)
     garments = tuple(
-        _dressed(mesh, fabric, draped)
+        _dressed(mesh, fabric, draped, form.place)
         for (mesh, fabric), draped in zip(sewing.cloth, outcome.garments, strict=False)
     )
     report = drape_report(
@@ -76,7 +77,10 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
             compile=compile_seconds,
         ),
     )
-    return Hung(avatar=avatar, drape=outcome, garments=garments, report=report)
+    return Hung(
+        avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
+        garments=garments, report=report,
+    )  # fmt: skip
 
 
 def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) -> float:
@@ -143,18 +147,18 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
     )
 
 
-def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> DressedGarment:
-    """Return a draped garment with its name and panels."""
+def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment, place: Place) -> DressedGarment:
+    """Return a draped garment in the room, with its name and panels."""
     return DressedGarment(
         name=mesh.name,
         fabric=fabric,
-        positions=draped.positions,
+        positions=place.outward(draped.positions),
         faces=draped.faces,
         uv=draped.uv,
         uv_faces=draped.faces_material,
         panel=draped.panel,
         panel_names=mesh.panel_names,
-        velocities=draped.velocities,
+        velocities=None if draped.velocities is None else place.turned_out(draped.velocities),
         origin=draped.origin,
         strain=draped.strain,
     )
@@ -168,6 +172,7 @@ def _avatar_facts(avatar: Avatar) -> dict[str, Any]:
         "faces": len(avatar.faces),
         "metres_per_unit": avatar.metres_per_unit,
         "up_axis": avatar.up_axis,
+        "front_degrees": avatar.front,
         "notes": list(avatar.notes),
     }
 

@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -26,6 +27,10 @@ class AvatarFile:
         The file or folder.
     units, up
         "m", "cm" or "mm", and "y" or "z"; recognised where None.
+    front
+        Axis of the file that the body faces, such as "-z"; recognised where None.
+    only, without
+        Names of the parts that are the body, and of those that are not, with wildcards.
     fps
         Frames per second; None takes the file's own or 24.
     time
@@ -37,13 +42,28 @@ class AvatarFile:
     path: Path
     units: str | None = None
     up: str | None = None
+    front: str | None = None
+    only: Sequence[str] = ()
+    without: Sequence[str] = ()
     fps: float | None = None
     time: float | None = None
     clip: str | None = None
 
     def __post_init__(self) -> None:
-        """Accept a path that is a string."""
+        """Accept a path that is a string, and one name for a list of names."""
         object.__setattr__(self, "path", Path(self.path))
+        for field_name in ("only", "without"):
+            names: object = getattr(self, field_name)
+            object.__setattr__(
+                self, field_name, (names,) if isinstance(names, str) else tuple(getattr(self, field_name))
+            )
+
+    @property
+    def reading(self) -> Reading:
+        """What is known of the file."""
+        return Reading(
+            units=self.units, up=self.up, front=self.front, only=tuple(self.only), without=tuple(self.without)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,9 +28,9 @@ def _read(file: AvatarFile) -> Avatar:
     if is_animated(file.path):
         if file.time is not None:
             return load_posed_avatar(
-                file.path, time=file.time, units=file.units, up=file.up, fps=file.fps, clip=file.clip
+                file.path, time=file.time, reading=file.reading, fps=file.fps, clip=file.clip
             )
-        return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps, clip=file.clip)
+        return load_animated_avatar(file.path, reading=file.reading, fps=file.fps, clip=file.clip)
     for field in ("fps", "time", "clip"):
         if getattr(file, field) is not None:
             raise InputError(
@@ -39,4 +39,6 @@ def _read(file: AvatarFile) -> Avatar:
                 file=file.path,
                 field=field,
             )
-    return load_avatar(file.path, units=file.units, up=file.up)
+    return load_avatar(
+        file.path, units=file.units, up=file.up, front=file.front, only=file.only, without=file.without
+    )

@@ -90,6 +90,9 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
+        "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
+        "only": (list, "names of the parts that are the body, with wildcards"),
+        "without": (list, "names of parts that are not (hair, lashes, helpers, floors: recognised)"),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
         "waist": (NUMBER, "its waist circumference [m]"),
@@ -118,7 +121,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Table name to key to (accepted types, meaning)."""
-FILE_KEYS = ("units", "up", "fps", "time", "clip")
+FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip")
 """Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
 
@@ -280,6 +283,11 @@ class _SceneReader:
         if sizes:
             key = next(iter(sizes))
             raise self._error(("avatar", key), f"{key} sizes the built-in mannequin; remove it or file")
+        for choice in ("only", "without"):
+            if not all(isinstance(name, str) for name in values.get(choice, ())):
+                raise self._error(
+                    ("avatar", choice), f"{choice} lists names of parts, got {values[choice]!r}"
+                )
         return AvatarFile(
             path=self._resolve(values["file"]), **{key: values[key] for key in FILE_KEYS if key in values}
         )

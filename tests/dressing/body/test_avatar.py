@@ -115,7 +115,7 @@ def test_bad_files_are_named(tmp_path: Path) -> None:
     vertices, faces = capsule()
     cases: dict[str, str] = {}
     (tmp_path / "body.fbx").write_text("x")
-    cases["body.fbx"] = "unknown avatar format '.fbx'; export"
+    cases["body.fbx"] = "FBX is a closed format; open it in Blender and export .glb"
     cases["missing.obj"] = "not found"
     (tmp_path / "empty.obj").write_text("")
     cases["empty.obj"] = "empty.obj"
