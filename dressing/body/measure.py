@@ -13,6 +13,9 @@ from toile.dressing.body.place import Place
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 
+BY_HAND = "give the measurements by hand (measurements = FILE)"
+"""What to do about a body that cannot be measured."""
+
 STEP = 0.005
 """Distance between neighbouring cuts, in body heights."""
 
@@ -26,6 +29,9 @@ BUST, BUST_BELOW = 0.724, 0.026
 
 THIGH = 0.0045
 """How far below the crotch the thigh is measured, in body heights: above, flesh between the thighs counts."""
+
+LOWEST_CROTCH = 0.35
+"""Legs that part below this are in a skirt or sit, in body heights: a baby's part at 0.37."""
 
 NECK_BASE_SLOPE = float(np.tan(np.radians(32.0)))
 """Slope of the outline at the base of the neck; shoulders fall at about 20 degrees."""
@@ -45,9 +51,7 @@ class _Body:
     middle: float
 
     def error(self, reason: str) -> InputError:
-        return InputError(
-            f"{self.name}: cannot be measured: {reason}; give the measurements by hand", field="avatar"
-        )
+        return InputError(f"{self.name}: cannot be measured: {reason}; {BY_HAND}", field="avatar")
 
     def levels(self, low: float, high: float) -> Float:
         """Heights of cuts between two heights [m]."""
@@ -83,7 +87,7 @@ def measure(avatar: Avatar) -> Measurements:
     band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
     if not len(band):
         raise InputError(
-            f"{avatar.name}: cannot be measured: it has no trunk; give the measurements by hand",
+            f"{avatar.name}: cannot be measured: it has no trunk; {BY_HAND}",
             field="avatar",
         )
     middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
@@ -145,7 +149,7 @@ def _crotch_level(body: _Body) -> float:
     crotch = float(0.5 * (below + above))
     # Standing legs go down from the hips; sitting thighs go forward.
     hips = body.trunk(crotch + 0.05 * body.height)
-    if hips is None or not 0.38 * body.height < crotch < 0.58 * body.height:
+    if hips is None or not LOWEST_CROTCH * body.height < crotch < 0.58 * body.height:
         raise body.error(f"its legs part at {crotch / body.height:.0%} of its height, so it does not stand")
     for share in (0.75, 0.5):
         legs = [

@@ -20,8 +20,8 @@ class Reading:
     front
         Axis of the file that the body faces: "x", "-x", "y", "-y", "z" or "-z".
     only, without
-        Names of the parts (groups, objects, nodes) that are the body, and of those that are not; wildcards may
-        be used.
+        Names of the parts (groups, objects, nodes) that are the body, and of those that are not, with
+        wildcards.
     """
 
     units: str | None = None

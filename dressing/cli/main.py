@@ -100,6 +100,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
     patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft the patterns to")
     add_reading(patterns)
+    _add_measurements(patterns)
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
@@ -127,6 +128,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
     )
     add_reading(dress)
+    _add_measurements(dress)
     dress.add_argument(
         "--garment",
         action="append",
@@ -164,6 +166,15 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress.epilog = "A scene file offers these options and more; toile dress --scene-keys lists its keys."
     dress.add_argument("--scene-keys", action=_PrintSceneKeys, help="list the keys of a scene file and exit")
     dress.set_defaults(run=_run_dress)
+
+
+def _add_measurements(command: Parser) -> None:
+    """Add the option that gives measurements by hand."""
+    command.add_argument(
+        "--measurements", type=Path, metavar="FILE",
+        help="measurements of BODY instead of those toile takes, TOML or JSON: chest = 96 [cm] ..., named as "
+        "toile measure --json does",
+    )  # fmt: skip
 
 
 class _PrintSceneKeys(argparse.Action):
@@ -232,7 +243,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
+        for name in ("measurements", "fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
     reading = reading_of(options)
@@ -324,16 +335,15 @@ def _run_patterns(options: argparse.Namespace) -> int:
             raise InputError("--avatar drafts patterns to a body, which needs --write DIR", field="--write")
         print("\n".join(built_in_names()))
         return DONE
-    from toile.dressing.body.dress_form import DressForm
     from toile.dressing.files.writers.atomic import writable_folder
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
     from toile.dressing.run.scene import AvatarFile, MannequinSize
-    from toile.dressing.run.scene_avatar import load_scene_avatar
+    from toile.dressing.run.scene_avatar import load_dress_form
 
     folder = writable_folder(options.write)
     reading = reading_of(options)
     source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar, **reading)
-    form = DressForm(load_scene_avatar(source))
+    _, form = load_dress_form(source, options.measurements or {})
     for name in built_in_names():
         path = folder / f"{name}_specification.json"
         write_garmentcode(built_in(name, form.measurements), path)

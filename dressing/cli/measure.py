@@ -25,13 +25,12 @@ def _run_measure(options: argparse.Namespace) -> int:
     output: Path | None = options.output
     if output is not None and output.suffix.lower() != ".svg":
         raise InputError(f"{output}: the picture is an .svg file, which every browser shows", file=output)
-    from toile.dressing.body.dress_form import DressForm
     from toile.dressing.files.writers.atomic import writable_folder, write_atomic
     from toile.dressing.pictures.measure_picture import measure_picture, named_measurements
     from toile.dressing.run.scene import AvatarFile
-    from toile.dressing.run.scene_avatar import load_scene_avatar
+    from toile.dressing.run.scene_avatar import load_dress_form
 
-    form = DressForm(load_scene_avatar(AvatarFile(path=options.body, **reading_of(options))))
+    _, form = load_dress_form(AvatarFile(path=options.body, **reading_of(options)), {})
     measured = form.measurements
     for name, value in named_measurements(measured).items():
         print(f"{name:<10}{value:6.1f} cm")

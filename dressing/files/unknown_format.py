@@ -27,11 +27,12 @@ def unknown_format(path: Path) -> str:
     extension = path.suffix.lower()
     if extension in WHAT_TO_DO:
         return WHAT_TO_DO[extension]
-    return f"unknown avatar format {extension or '(no extension)'!r}; export the body as one of {', '.join(FORMATS)}"
+    extension = extension or "(no extension)"
+    return f"unknown avatar format {extension!r}; export the body as one of {', '.join(FORMATS)}"
 
 
 def foreign_npz(names: frozenset[str]) -> str | None:
-    """Return what an .npz file without vertices and faces is, by the names of its arrays, if that is known."""
+    """Return what an .npz file without vertices and faces is, by its arrays' names, if that is known."""
     if {"poses", "trans"} <= names or {"poses", "betas"} <= names:
         return (
             "it holds joint angles and shape numbers of SMPL (AMASS), not vertices: pose the body model with "
@@ -41,7 +42,7 @@ def foreign_npz(names: frozenset[str]) -> str | None:
         return "it is a body model (SMPL), not a body: pose it and save its `vertices` and `faces`"
     if "v_posed" in names or {"pose", "transl"} <= names:
         return (
-            "it holds a posed frame of CAPE, whose faces are those of SMPL: save `vertices` and `faces` of all "
-            "frames in one file"
+            "it holds a posed frame of CAPE, whose faces are those of SMPL: save `vertices` and `faces` of "
+            "all frames in one file"
         )
     return None

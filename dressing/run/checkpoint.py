@@ -126,4 +126,7 @@ def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:
         replace(garment, source=garment.source.absolute()) if isinstance(garment.source, Path) else garment
         for garment in scene.garments
     )
-    return replace(scene, avatar=avatar, garments=garments)
+    measurements = scene.measurements
+    if isinstance(measurements, Path):
+        measurements = measurements.absolute()
+    return replace(scene, avatar=avatar, measurements=measurements, garments=garments)

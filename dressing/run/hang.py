@@ -23,7 +23,7 @@ from toile.dressing.run.load_garment import load_garment, pinned_vertices
 from toile.dressing.run.report import RunSeconds, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
-from toile.dressing.run.scene_avatar import load_scene_avatar
+from toile.dressing.run.scene_avatar import load_dress_form
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
 
@@ -46,11 +46,10 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     at fault, or a garment cannot be put on its avatar.
     """
     wall, cpu = time.perf_counter(), time.process_time()
-    avatar = load_scene_avatar(scene.avatar)
-    for note in avatar.notes:
+    avatar, form = load_dress_form(scene.avatar, scene.measurements)
+    for note in (*avatar.notes, *form.notes):
         listener.say(f"{avatar.name}: {note}")
     compile_seconds = load_scene_kernels(scene, checkpoint is not None, listener)
-    form = DressForm(avatar)
     reading_seconds = time.perf_counter() - wall - compile_seconds
     sewing = _sew(scene, form, checkpoint, listener)
     outcome = sewing.outcome

@@ -109,7 +109,7 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
 def _around(mesh: GarmentMesh, form: DressForm) -> GarmentMesh:
     """Return a pattern's mesh around the body: where its file has it, or in the body's own frame.
 
-    Patterns are made for a body that faces +Z above the origin; some for one in the place of the avatar's file.
+    Patterns are made for a body that faces +Z above the origin; some for one in the place of the file.
     """
     place = form.place
     if place.is_own:

@@ -4,8 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
@@ -131,6 +133,10 @@ class Scene:
         Garments from the body outwards; a name or path stands for a Garment with defaults.
     avatar
         The body: an Avatar, a file, or a mannequin size; None is the built-in mannequin.
+    measurements
+        Measurements of the body that are used instead of those toile takes [m, rad]: a Measurements, some of
+        its fields by name, or a TOML or JSON file of them [cm, degrees]. A body that cannot be measured (it
+        sits, or holds its arms at its sides) has the mannequin's proportions in what is not given.
     fabric
         Preset name or Fabric of garments that name none; None is cotton-poplin.
     fabrics
@@ -161,6 +167,7 @@ class Scene:
 
     garments: Sequence[Garment]
     avatar: AvatarSource | str | Path | None = None
+    measurements: Measurements | Mapping[str, Any] | str | Path | None = None
     fabric: str | Fabric | None = None
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"

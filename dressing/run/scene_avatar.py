@@ -1,7 +1,11 @@
 """Loading of a scene's avatar."""
 
+from pathlib import Path
+
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import Avatar, load_avatar
+from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.given_measurements import Given, read_measurements
 from toile.dressing.run.scene import AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 
@@ -21,6 +25,14 @@ def load_scene_avatar(source: AvatarSource) -> Avatar:
         from toile.dressing.body.mannequin import mannequin
 
         return mannequin(**sizes)
+
+
+def load_dress_form(source: AvatarSource, measurements: Given | Path) -> tuple[Avatar, DressForm]:
+    """Return the avatar in its room, and on its form with given measurements, or those of a file."""
+    avatar = load_scene_avatar(source)
+    if isinstance(measurements, Path):
+        measurements = read_measurements(measurements)
+    return avatar, DressForm(avatar, measurements)
 
 
 def _read(file: AvatarFile) -> Avatar:

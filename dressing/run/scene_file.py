@@ -33,6 +33,7 @@ from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
@@ -93,6 +94,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
         "only": (list, "names of the parts that are the body, with wildcards"),
         "without": (list, "names of parts that are not (hair, lashes, helpers, floors: recognised)"),
+        "measurements": (
+            (str, dict),
+            "file of measurements, or table of them [cm, degrees], used instead of those toile takes",
+        ),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
         "waist": (NUMBER, "its waist circumference [m]"),
@@ -187,6 +192,7 @@ class _SceneReader:
         tables: dict[str, Any] = {
             "friction_between": self._friction_between(data.get("friction_between", [])),
             "avatar": self._avatar(data.get("avatar", {})),
+            "measurements": self._measurements(data.get("avatar", {}).get("measurements")),
             "remesh": self._remesh(data.get("remesh", True), data),
             "air": self._air(data["air"]) if "air" in data else None,
         }
@@ -291,6 +297,17 @@ class _SceneReader:
         return AvatarFile(
             path=self._resolve(values["file"]), **{key: values[key] for key in FILE_KEYS if key in values}
         )
+
+    def _measurements(self, values: str | dict[str, Any] | None) -> Path | Mapping[str, Any] | None:
+        """Return the measurements of the [avatar] table, or their file."""
+        if isinstance(values, str):
+            return self._resolve(values)
+        if values is None:
+            return None
+        try:
+            return measurements_of(values)
+        except InputError as error:
+            raise self._at(("avatar", *(error.field or "").split(".")), error) from None
 
     def _garment(self, values: Any, place: tuple[str | int, ...], own: Mapping[str, Fabric]) -> Garment:
         """Return the garment of one [[garment]] table."""
