@@ -1,9 +1,13 @@
 """Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
@@ -23,9 +27,14 @@ from toile.dressing.run.load_garment import load_garment, pinned_vertices
 from toile.dressing.run.report import RunSeconds, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
+from toile.dressing.run.scene import MannequinSize
 from toile.dressing.run.scene_avatar import load_dress_form
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
+
+HANGING = np.radians(65.0)
+"""Arms that are lower than this leave sleeves little room [rad]."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +57,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     wall, cpu = time.perf_counter(), time.process_time()
     avatar, form = load_dress_form(scene.avatar, scene.measurements)
     for note in (*avatar.notes, *form.notes):
+        listener.say(f"{avatar.name}: {note}")
+    for note in _doubts(scene, form):
         listener.say(f"{avatar.name}: {note}")
     compile_seconds = load_scene_kernels(scene, checkpoint is not None, listener)
     reading_seconds = time.perf_counter() - wall - compile_seconds
@@ -80,6 +91,26 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
         garments=garments, report=report,
     )  # fmt: skip
+
+
+def _doubts(scene: ResolvedScene, form: DressForm) -> Iterator[str]:
+    """Say at once what may stand in the way of sewing: a pose in which sleeves find no room."""
+    sewn = any(
+        isinstance(garment.source, str)
+        or (isinstance(garment.source, Path) and garment.source.suffix.lower() == ".json")
+        for garment in scene.garments
+    )
+    if not sewn or isinstance(scene.avatar, MannequinSize):
+        return
+    found = form.measured
+    if isinstance(found, InputError):
+        yield f"{found}; panels that need the pose may not find their place"
+    elif found.arm_angle > HANGING:
+        begins = " in its first frame; begin the clip" if form.avatar.motion is not None else "; pose it"
+        yield (
+            f"its arms hang, {np.degrees(found.arm_angle):.0f} degrees below the horizontal{begins} with "
+            "them apart (45 degrees) if seams of sleeves jam"
+        )
 
 
 def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) -> float:

@@ -99,3 +99,13 @@ def test_the_film_of_a_far_walk_is_that_at_the_origin(tmp_path: Path) -> None:
         films.append(result.garments[0].positions - move)
         assert np.abs(result.avatar.vertices - move - BODY.vertices - ahead[-1]).max() < 2e-3
     assert np.abs(films[0] - films[1]).max() < 1e-9
+
+
+def test_hanging_arms_are_said_at_once(tmp_path: Path) -> None:
+    said: list[str] = []
+    scene = toile.Scene(
+        avatar=written(tmp_path / "body.npz", BODY.vertices), garments=[toile.Garment("tshirt")],
+        measurements={"arm_angle": 1.3}, edge_length=0.05,
+    )  # fmt: skip
+    toile.dress(scene, progress=lambda state: False, say=said.append)
+    assert any("its arms hang, 74 degrees below the horizontal; pose it" in text for text in said), said
