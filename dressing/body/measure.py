@@ -23,7 +23,7 @@ PALM, WRIST = 6, (11, 18)
 """Where the palm begins and the wrist lies: distance from the fingertip along the mesh's edges, in hundredths
 of the height (a hand is 0.105 heights long; paths along edges are about a tenth longer)."""
 
-BUST, BUST_BELOW = 0.724, 0.026
+BUST, BUST_BELOW = 0.724, 0.025
 """Level of the bust, and how far it is below the armpit, in body heights: 0.721, 0.724 and 0.727, and 0.0253,
 0.0240 and 0.0263, on three mean bodies."""
 
@@ -41,7 +41,7 @@ WIDEST_NECK = 1.7
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Body:
+class MeasuredBody:
     """A body on the floor: positions [m], faces, height [m] and the x of its middle plane [m]."""
 
     name: str
@@ -51,6 +51,7 @@ class _Body:
     middle: float
 
     def error(self, reason: str) -> InputError:
+        """Return the error that says why it cannot be measured."""
         return InputError(f"{self.name}: cannot be measured: {reason}; {BY_HAND}", field="avatar")
 
     def levels(self, low: float, high: float) -> Float:
@@ -80,18 +81,8 @@ def measure(avatar: Avatar) -> Measurements:
     (+X) ones are measured. Raises InputError if the body sits, lies, or holds its arms up or at its sides
     without a gap.
     """
-    avatar = Place.of(avatar).own(avatar)
-    vertices, faces = avatar.solid or (avatar.vertices, avatar.faces)
-    vertices = vertices - (0.0, vertices[:, 1].min(), 0.0)
-    height = float(vertices[:, 1].max())
-    band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
-    if not len(band):
-        raise InputError(
-            f"{avatar.name}: cannot be measured: it has no trunk; {BY_HAND}",
-            field="avatar",
-        )
-    middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
-    body = _Body(name=avatar.name, vertices=vertices, faces=faces, height=height, middle=middle)
+    body = measured_body(avatar)
+    height, middle = body.height, body.middle
 
     crotch = _crotch_level(body)
     armpit, armpit_x = _armpit(body, crotch)
@@ -132,7 +123,23 @@ def measure(avatar: Avatar) -> Measurements:
     )
 
 
-def _crotch_level(body: _Body) -> float:
+def measured_body(avatar: Avatar) -> MeasuredBody:
+    """Return an avatar in its own frame, as one surface. Raises InputError without a trunk."""
+    avatar = Place.of(avatar).own(avatar)
+    vertices, faces = avatar.solid or (avatar.vertices, avatar.faces)
+    vertices = vertices - (0.0, vertices[:, 1].min(), 0.0)
+    height = float(vertices[:, 1].max())
+    band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
+    if not len(band):
+        raise InputError(
+            f"{avatar.name}: cannot be measured: it has no trunk; {BY_HAND}",
+            field="avatar",
+        )
+    middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
+    return MeasuredBody(name=avatar.name, vertices=vertices, faces=faces, height=height, middle=middle)
+
+
+def _crotch_level(body: MeasuredBody) -> float:
     """Height where the legs part [m]. Raises InputError if the body does not stand."""
     levels = body.levels(0.25 * body.height, 0.62 * body.height)
     split = [level for level in levels if body.trunk(level) is None]
@@ -163,7 +170,7 @@ def _crotch_level(body: _Body) -> float:
     return crotch
 
 
-def _armpit(body: _Body, crotch: float) -> tuple[float, float]:
+def _armpit(body: MeasuredBody, crotch: float) -> tuple[float, float]:
     """Height of the lower armpit and x of the left (+X) one [m]."""
     levels = body.levels(crotch + 0.15 * body.height, crotch + 0.42 * body.height)
     previous: Section | None = None
@@ -182,7 +189,7 @@ def _armpit(body: _Body, crotch: float) -> tuple[float, float]:
     raise body.error("no armpit found (arms raised, or fused with the trunk)")
 
 
-def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:
+def _largest(body: MeasuredBody, low: float, high: float) -> tuple[float, float]:
     """Level and size of the largest trunk girth between two heights [m]."""
     levels = body.levels(low, max(high, low + 0.01 * body.height))
     girths = [body.trunk_girth(level) for level in levels]
@@ -190,7 +197,7 @@ def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:
     return float(levels[best]), girths[best]
 
 
-def _chest(body: _Body, waist: float, armpit: float) -> tuple[float, float]:
+def _chest(body: MeasuredBody, waist: float, armpit: float) -> tuple[float, float]:
     """Level and girth of the chest: where it is largest below the armpit, or at the usual level of the bust.
 
     Where the girth grows all the way up to the armpit, it takes in the muscles of the arms.
@@ -203,7 +210,7 @@ def _chest(body: _Body, waist: float, armpit: float) -> tuple[float, float]:
     return level, body.trunk_girth(level)
 
 
-def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
+def _waist(body: MeasuredBody, crotch: float, armpit: float) -> tuple[float, float]:
     """Level and size of the smallest trunk girth between hip and chest.
 
     A belly has no smallest girth there; then the usual level of a waist is taken.
@@ -217,7 +224,7 @@ def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
     return float(levels[best]), girths[best]
 
 
-def _silhouette(body: _Body, armpit: float) -> Float:
+def _silhouette(body: MeasuredBody, armpit: float) -> Float:
     """Left half of the front outline above the armpit: (x, y) [m] from the top down, shape (n, 2)."""
     points = []
     for level in body.levels(armpit, 0.93 * body.height)[::-1]:
@@ -229,7 +236,7 @@ def _silhouette(body: _Body, armpit: float) -> Float:
     return np.array(points)
 
 
-def _neck_base(body: _Body, silhouette: Float) -> tuple[float, float]:
+def _neck_base(body: MeasuredBody, silhouette: Float) -> tuple[float, float]:
     """X and height of the side of the neck's base: where the outline has turned from neck to shoulder."""
     x, y = silhouette.T
     # Below the narrowest place of the neck, y falls along the neck and x grows along the shoulder: the sum
@@ -256,7 +263,7 @@ def _silhouette_height(silhouette: Float, x: float) -> float:
     return float(level[k - 1] + share * (level[k] - level[k - 1]))
 
 
-def _neck_girth(body: _Body, neck_level: float) -> float:
+def _neck_girth(body: MeasuredBody, neck_level: float) -> float:
     """Smallest girth just above the neck's base, in planes that fall to the front like a collar."""
     tilt = np.radians(20.0)
     normal = np.array([0.0, np.cos(tilt), np.sin(tilt)])
@@ -276,7 +283,7 @@ def _neck_girth(body: _Body, neck_level: float) -> float:
     return min(girths)
 
 
-def _thigh(body: _Body, crotch: float) -> float:
+def _thigh(body: MeasuredBody, crotch: float) -> float:
     """Largest girth of the left thigh just below the crotch [m]."""
     girths = [
         section.girth
@@ -300,7 +307,9 @@ class _Arm:
     shoulder_z: float
 
 
-def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder: tuple[float, float]) -> _Arm:
+def _arm(
+    body: MeasuredBody, crotch: float, armpit_x: float, hip_edge: float, shoulder: tuple[float, float]
+) -> _Arm:
     """Follow the left arm from the fingertip to the shoulder by distance along the surface."""
     distance = _surface_distance(body, int(np.argmax(body.vertices[:, 1])))
     # Beside hips and thighs there are only hands, whatever the angle of the arms.
@@ -348,7 +357,7 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
     )
 
 
-def _limb_girth(body: _Body, centres: Float, k: int) -> float:
+def _limb_girth(body: MeasuredBody, centres: Float, k: int) -> float:
     """Girth across a limb at its centre line's point k [m]; infinite where the cut takes in the trunk."""
     low, high = max(k - 2, 0), min(k + 2, len(centres) - 1)
     normal = centres[high] - centres[low]
@@ -360,7 +369,7 @@ def _limb_girth(body: _Body, centres: Float, k: int) -> float:
     return nearest.girth if nearest.girth < 0.35 * body.height else float("inf")
 
 
-def _surface_distance(body: _Body, source: int) -> Float:
+def _surface_distance(body: MeasuredBody, source: int) -> Float:
     """Distance from one vertex along the edges of the mesh [m], shape (v,)."""
     a, b = body.faces.ravel(), body.faces[:, [1, 2, 0]].ravel()
     lengths = np.linalg.norm(body.vertices[a] - body.vertices[b], axis=1)
@@ -370,7 +379,7 @@ def _surface_distance(body: _Body, source: int) -> Float:
 
 
 def _torso_depth(
-    body: _Body, crotch: float, armpit: float, shoulder_x: float, shoulder_y: float
+    body: MeasuredBody, crotch: float, armpit: float, shoulder_x: float, shoulder_y: float
 ) -> tuple[float, float]:
     """Smallest and largest z of the trunk between crotch and shoulder [m]."""
     lows, highs = [], []

@@ -1,9 +1,10 @@
 """The command `toile measure`."""
 
 import argparse
+import json
 from pathlib import Path
 
-from toile.dressing.cli.parser import DONE, Commands, Parser, add_reading, reading_of
+from toile.dressing.cli.parser import DONE, Commands, Parser, add_reading, reading_of, say_progress
 from toile.geometry.errors import InputError
 
 
@@ -17,6 +18,10 @@ def add_measure(commands: "Commands[Parser]") -> None:
     measure.add_argument("body", type=Path, metavar="BODY", help="file of a body, as for toile dress")
     add_reading(measure)
     measure.add_argument("-o", "--output", type=Path, metavar="FILE.svg", help="picture of the measurements")
+    measure.add_argument(
+        "--json", action="store_true",
+        help="print all measurements as JSON, under the names of FreeSewing, GarmentCode and Seamly too",
+    )  # fmt: skip
     measure.set_defaults(run=_run_measure)
 
 
@@ -32,10 +37,16 @@ def _run_measure(options: argparse.Namespace) -> int:
 
     _, form = load_dress_form(AvatarFile(path=options.body, **reading_of(options)), {})
     measured = form.measurements
-    for name, value in named_measurements(measured).items():
-        print(f"{name:<10}{value:6.1f} cm")
+    if options.json:
+        from toile.dressing.body.tailoring.names import measurements_json
+        from toile.dressing.body.tailoring.tailor_measurements import tailor_measurements
+
+        print(json.dumps(measurements_json(measured, tailor_measurements(form.avatar, measured)), indent=2))
+    else:
+        for name, value in named_measurements(measured).items():
+            print(f"{name:<10}{value:6.1f} cm")
     if output is not None:
         writable_folder(output.parent)
         write_atomic(output, measure_picture(form.avatar, measured))
-        print(f"wrote {output}")
+        say_progress(f"wrote {output}") if options.json else print(f"wrote {output}")
     return DONE

@@ -49,7 +49,9 @@ def add_reading(command: argparse.ArgumentParser) -> None:
     command.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
     command.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
     command.add_argument(
-        "--front", metavar="AXIS", help="axis of its file that BODY faces: x, -z, ... (default: recognised)"
+        "--front",
+        metavar="AXIS",
+        help="axis of its file that BODY faces: x, z ... or --front=-z (default: recognised)",
     )
     command.add_argument(
         "--only",

@@ -195,6 +195,8 @@ class Scene:
         avatar: object = self.avatar
         if isinstance(avatar, str | Path):
             object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
+        if isinstance(self.measurements, str):
+            object.__setattr__(self, "measurements", Path(self.measurements))
         if not self.garments:
             raise InputError(
                 "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt",
