@@ -1,4 +1,4 @@
-"""Readers of moving avatars: .npz of vertices over time, animated glTF, or a folder with a mesh per frame."""
+"""Readers of moving avatars: vertices over time in .npz, animated glTF, USD, folders of meshes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +15,8 @@ from toile.dressing.files.gltf.gltf_file import has_animation
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
 from toile.dressing.files.moving_file import MovingSurface, read_folder_motion, read_npz_motion
 from toile.dressing.files.read_surface import GLTF
+from toile.dressing.files.usd_file import FORMATS as USD
+from toile.dressing.files.usd_file import read_usd
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError, about
@@ -29,7 +31,7 @@ BOUND_TO = 4
 def is_animated(path: Path) -> bool:
     """Whether a path names what `load_animated_avatar` reads."""
     return (
-        path.suffix.lower() == ".npz"
+        path.suffix.lower() in (".npz", *USD)
         or path.is_dir()
         or (path.suffix.lower() in GLTF and has_animation(path))
     )
@@ -48,7 +50,8 @@ def load_animated_avatar(
         An .npz file with `vertices` (or `positions`, `verts`, `v`), shape (k, v, 3), `faces` (or `f`), shape
         (f, 3), and perhaps `fps`; a .glb or .gltf file with an animation; or a folder of mesh files of the
         same vertices and faces, ordered by numbers in their names; the first decides how polygons are split.
-        An .npz of one frame, or of the shape (v, 3), is a body that stands still.
+        An .npz of one frame, or of the shape (v, 3), is a body that stands still; so is a USD file in which
+        nothing moves.
     reading
         What is known of the file; the rest is recognised from the first frame.
     fps
@@ -68,6 +71,7 @@ def load_animated_avatar(
             moving = MovingSurface(frames=sampled.frames, surface=sampled.surface, notes=(sampled.note,))
         else:
             moving = _read_frames(path)
+        reading = _completed(reading, moving)
         if len(moving.frames) > 1:
             return _moving_avatar(path, moving, reading, fps)
         if path.is_dir():
@@ -76,7 +80,7 @@ def load_animated_avatar(
             )
         if fps is not None:
             raise InputError(f"{path}: holds one frame, so it has no fps", file=path, field="fps")
-        return avatar_of(path, moving.surface, reading)
+        return _noted(avatar_of(path, moving.surface, reading), moving.notes)
 
 
 def load_posed_avatar(
@@ -98,13 +102,25 @@ def load_posed_avatar(
             surface, said = read_still_gltf(path, time=time, clip=clip)
         else:
             moving = _read_frames(path)
-            surface, said = moving.surface, ()
+            surface, said, reading = moving.surface, moving.notes, _completed(reading, moving)
             if len(moving.frames) > 1:
                 motion = VertexMotion(frames=moving.frames, fps=fps or moving.fps or DEFAULT_FPS)
                 surface = replace(surface, positions=motion.at(time))
-                said = (f"The body stands as at {time:g} s, {motion.fps:g} frames per second.",)
-        avatar = avatar_of(path, surface, reading)
-        return replace(avatar, notes=(*said, *avatar.notes))
+                said = (
+                    *said,
+                    f"The body stands as at {time:g} s, {motion.fps:g} frames per second.",
+                )
+        return _noted(avatar_of(path, surface, reading), said)
+
+
+def _noted(avatar: Avatar, said: tuple[str, ...]) -> Avatar:
+    """Return an avatar with notes on how its file was read."""
+    return replace(avatar, notes=(*said, *avatar.notes))
+
+
+def _completed(reading: Reading, moving: MovingSurface) -> Reading:
+    """Return what is known of a file, by what it says itself where the user does not."""
+    return replace(reading, units=reading.units or moving.units, up=reading.up or moving.up)
 
 
 def _is_gltf(path: Path) -> bool:
@@ -122,8 +138,10 @@ def _check_words(path: Path, reading: Reading, fps: float | None, clip: str | No
 
 
 def _read_frames(path: Path) -> MovingSurface:
-    """Return the frames of an .npz file or a folder."""
-    return read_folder_motion(path) if path.is_dir() else read_npz_motion(path)
+    """Return the frames of an .npz or USD file or a folder."""
+    if path.is_dir():
+        return read_folder_motion(path)
+    return read_usd(path) if path.suffix.lower() in USD else read_npz_motion(path)
 
 
 def _moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:

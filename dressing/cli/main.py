@@ -124,8 +124,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "--avatar",
         type=Path,
         metavar="BODY",
-        help="body: .obj .ply .stl .glb .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, an "
-        "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
+        help="body: .obj .ply .stl .glb .vrm .usd .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, "
+        "an animated .glb, .gltf or .usd, or a folder with a mesh per frame (default: built-in mannequin)",
     )
     add_reading(dress)
     _add_measurements(dress)

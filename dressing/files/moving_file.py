@@ -32,6 +32,8 @@ class MovingSurface:
         The surface in the first frame.
     fps
         Frames per second, None if the file does not say.
+    units, up
+        Unit and up axis that the file names, or None.
     notes
         What was noticed, one sentence each.
     """
@@ -39,6 +41,8 @@ class MovingSurface:
     frames: npt.NDArray[np.floating]
     surface: Surface
     fps: float | None = None
+    units: str | None = None
+    up: str | None = None
     notes: tuple[str, ...] = ()
 
 

@@ -21,7 +21,7 @@ from toile.remesh.sizing.sizing import SizingOptions
 
 @dataclass(frozen=True, kw_only=True)
 class AvatarFile:
-    """A body still on disk, or one that moves: an .npz, an animated .glb or .gltf, or a folder of meshes.
+    """A body still on disk, or one that moves: an .npz, an animated .glb or .usd, or a folder of meshes.
 
     Attributes
     ----------

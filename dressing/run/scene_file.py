@@ -84,7 +84,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "avatar": {
         "file": (
             str,
-            "OBJ, PLY, STL, GLB, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb, folder",
+            "OBJ, PLY, STL, GLB, VRM, USD, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb "
+            "or .usd, folder",
         ),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
         "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
