@@ -25,6 +25,9 @@ BODY_SHARE = 0.6
 """Parts are left out by name where another as tall as this share of the whole remains."""
 FLAT = 1e-5
 """A part thinner than this share of its size is flat."""
+LARGE = 0.1
+"""Flat parts are left out here from this share of the size of the whole on; loose triangles, which may belong
+to the skin, are judged where it is closed."""
 SLAB = 0.05
 """A floor is thinner than this share of its width, and lies below this share of the body's height."""
 NAMED = 6
@@ -75,7 +78,9 @@ def _matching(file_name: str, names: tuple[str, ...], words: Sequence[str], fiel
     """Return which parts have one of the names. Raises InputError for a name that no part has."""
     found = np.zeros(len(names), np.bool_)
     for word in words:
-        hit = np.array([fnmatchcase(name.lower(), word.lower()) for name in names])
+        plain = word.lower()
+        # Names may have brackets in them, which are wildcards.
+        hit = np.array([name.lower() == plain or fnmatchcase(name.lower(), plain) for name in names])
         if not hit.any():
             known = f"it has {_listed(names, limit=20)}" if len(names) > 1 else "its parts have no names"
             raise InputError(f"{file_name}: has no part {word!r}; {known}", field=field)
@@ -121,10 +126,13 @@ def _extent(points: Float) -> Float:
 def _flat_faces(surface: Surface, kept: Bool) -> Bool:
     """Which of the kept faces belong to connected parts that are flat, shape (t,)."""
     flat = np.zeros(len(kept), np.bool_)
-    piece = _pieces(surface.positions, surface.faces[kept])
     rows = np.flatnonzero(kept)
-    for own in _members(piece):
+    corners = surface.positions[surface.faces[rows]]
+    least = LARGE * float(np.ptp(corners.mean(axis=1), axis=0).max())
+    for own in _members(_pieces(surface.positions, surface.faces[rows])):
         points = surface.positions[np.unique(surface.faces[rows[own]])]
+        if _extent(points).max() < least:
+            continue
         spread = points - points.mean(axis=0)
         size = np.linalg.svd(spread, compute_uv=False)
         flat[rows[own]] = size[-1] <= FLAT * size[0]

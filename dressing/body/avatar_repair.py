@@ -16,7 +16,7 @@ SMALLEST_VOLUME = 1e-9
 LEAST_OUTSIDE = 0.05
 """A part of which no more than this share lies outside the others is inside them."""
 CARD = 0.7
-"""What closes the holes of a card (hair, lashes) is more than this share of its own area."""
+"""What closes the one hole of a card (hair, lashes) is more than this share of its own area."""
 
 
 Part = tuple[Float, Int]
@@ -126,7 +126,8 @@ def _closed_parts(
             triangles_closed = np.concatenate([triangles_closed, patch])
         volume = _volume(points_closed - centre, triangles_closed)
         own, closing = (_area(points, some) for some in (triangles, triangles_closed[len(triangles) :]))
-        if abs(volume) < SMALLEST_VOLUME or (closing > CARD * own and index != largest):
+        is_card = len(loops) == 1 and closing > CARD * own and index != largest
+        if abs(volume) < SMALLEST_VOLUME or is_card:
             sheets += 1
             continue
         for loop in loops:

@@ -166,8 +166,8 @@ class _Shown:
         if self._frames is not None:
             self._write(self._frames, frame.index)
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
-            place = place_of(frame.cloth, frame.crossings, self.garments)
-            self.crossing = f"frame {frame.index}; {place}"
+            where = place_of(frame.cloth, frame.crossings, self.garments, self._place)
+            self.crossing = f"frame {frame.index}; {where}"
 
     def go_on_from(self, state: FilmState) -> None:
         """Take the last frame of a run that was stopped, perhaps between that and its end."""
