@@ -104,20 +104,20 @@ def _draft(folder: Path) -> None:
     """Draft a pattern to the body of a folder and place it; it becomes draft.npz."""
     import numpy as np
 
-    from toile.dressing.body.dress_form import DressForm
     from toile.dressing.pattern.sewing_edges import sewing_edges
     from toile.dressing.run.load_garment import load_garment
     from toile.dressing.run.quality import COARSEST
     from toile.dressing.run.resolved_scene import resolve
-    from toile.dressing.run.scene_avatar import load_scene_avatar
+    from toile.dressing.run.scene_avatar import load_dress_form
     from toile.dressing.run.scene_file import load_scene
 
     scene = resolve(load_scene(folder / "scene.toml"))
     sewn = sewing_edges(scene.edge_length, COARSEST * scene.edge_length)[0]
-    mesh = load_garment(scene.garments[0], DressForm(load_scene_avatar(scene.avatar)), sewn)
+    _, form = load_dress_form(scene.avatar, scene.measurements)
+    mesh = load_garment(scene.garments[0], form, sewn)
     labels: dict[str, Any] = {f"held_{label}": vertices for label, vertices in mesh.held.items()}
     np.savez(
-        folder / "draft.npz", vertices=mesh.positions, faces=mesh.faces, uv=mesh.uv, stitches=mesh.stitches,
-        panel=mesh.panel, **labels,
+        folder / "draft.npz", vertices=form.place.outward(mesh.positions), faces=mesh.faces, uv=mesh.uv,
+        stitches=mesh.stitches, panel=mesh.panel, **labels,
     )  # fmt: skip
     _tell(done={"name": mesh.name, "panels": list(mesh.panel_names)})

@@ -37,7 +37,8 @@ def file_stem(name: str) -> str:
 def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Iterator[str]:
     """Write all that the engine needs, a bit at a time; yield what is being done.
 
-    `pattern` is what is to be drafted to the avatar, instead of the garments of the scene.
+    `pattern` is what is to be drafted to the avatar, instead of the garments of the scene. What is to be
+    simulated is drafted at the first frame of the simulation, wherever the playhead is.
     """
     scene, settings = context.scene, context.scene.toile
     avatars, garments = of_role(scene, "AVATAR"), of_role(scene, "GARMENT")
@@ -46,7 +47,10 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
     if pattern is None and not garments:
         raise Problem("no garment: mark one in its Physics properties, or use Dress This Body")
     films = pattern is None and settings.mode == "SIMULATE"
-    frames = list(range(settings.frame_start, settings.frame_end + 1)) if films else [scene.frame_current]
+    travels = settings.mode == "SIMULATE"
+    frames = [settings.frame_start] if travels else [scene.frame_current]
+    if films:
+        frames = list(range(settings.frame_start, settings.frame_end + 1))
     if films and len(frames) < 2:
         raise Problem("a simulation needs at least two frames: set its end after its start")
     seen: list[GarmentSnapshot] = []
@@ -58,7 +62,7 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
             writer: MotionWriter | None = None
             air: list[str] = []
             for frame in frames:
-                if films:
+                if travels:
                     scene.frame_set(frame)
                 depsgraph = context.evaluated_depsgraph_get()
                 if body is None:
@@ -84,7 +88,7 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
             if writer is not None and body is not None:
                 writer.close(faces=body.faces, fps=fps)
         finally:
-            if films:
+            if travels:
                 scene.frame_set(before[0], subframe=before[1])
     for garment in seen:
         garment.write(fps)

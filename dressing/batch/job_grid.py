@@ -8,6 +8,7 @@ from typing import Any
 
 from toile.dressing.batch.job import Job
 from toile.dressing.files.read_surface import FORMATS as AVATAR_FORMATS
+from toile.dressing.files.usd_file import FORMATS as USD_FORMATS
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dressing.run.garment_source import built_in_name
@@ -44,7 +45,9 @@ class JobGrid:
             If a pattern matches nothing, or a name is unknown.
         """
         self.notes: list[str] = []
-        bodies = self._found("--avatars", avatars or [MANNEQUIN], (*AVATAR_FORMATS, ".npz"), MANNEQUIN)
+        bodies = self._found(
+            "--avatars", avatars or [MANNEQUIN], (*AVATAR_FORMATS, ".npz", *USD_FORMATS), MANNEQUIN
+        )
         clothes = self._found("--garments", garments, (".json", *MESH_FORMATS), None)
         self._avatars = list(zip(unique_names(bodies), bodies, strict=True))
         self._garments = list(zip(unique_names(clothes), clothes, strict=True))

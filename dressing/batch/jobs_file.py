@@ -96,8 +96,10 @@ class JobsFile:
     def _value(self, line: int, column: str, cell: str) -> Any:
         """Return a cell as what its column holds."""
         kind = (SCENE_KEYS[""] | SCENE_KEYS["avatar"]).get(column, (str, ""))[0]
-        if kind is str or column in ("avatar", "garment", "fabric"):
+        if kind is str or column in ("avatar", "garment", "fabric", "measurements"):
             return cell
+        if kind is list:
+            return [name.strip() for name in cell.split(";")]
         if cell.lower() in ("true", "false"):
             return cell.lower() == "true"
         try:

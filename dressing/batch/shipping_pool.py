@@ -102,11 +102,14 @@ def shipped(work: Callable[[JobRequest], Outcome], request: JobRequest) -> Shipm
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
         avatar = replace(avatar, path=pack(avatar.path))
+    measurements = scene.measurements
+    if isinstance(measurements, Path):
+        measurements = pack(measurements)
     garments = tuple(
         garment if _in_memory(garment) else replace(garment, source=pack(Path(str(garment.source))))
         for garment in scene.garments
     )
-    packed = replace(scene, avatar=avatar, garments=garments)
+    packed = replace(scene, avatar=avatar, measurements=measurements, garments=garments)
     return Shipment(work=work, request=replace(request, scene=packed), files=files)
 
 
@@ -137,11 +140,14 @@ def _moved(scene: Scene, folder: Path) -> Scene:
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
         avatar = replace(avatar, path=folder / avatar.path)
+    measurements = scene.measurements
+    if isinstance(measurements, Path):
+        measurements = folder / measurements
     garments = tuple(
         garment if _in_memory(garment) else replace(garment, source=folder / str(garment.source))
         for garment in scene.garments
     )
-    return replace(scene, avatar=avatar, garments=garments)
+    return replace(scene, avatar=avatar, measurements=measurements, garments=garments)
 
 
 def _in_memory(garment: Garment) -> bool:

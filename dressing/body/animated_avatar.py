@@ -1,24 +1,24 @@
-"""Readers of moving avatars: .npz of vertices over time, animated glTF, or a folder with a mesh per frame."""
+"""Readers of moving avatars: vertices over time in .npz, animated glTF, USD, folders of meshes."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from toile.dressing.body.avatar import Avatar, avatar_of, checked_frame_words, used_triangles
+from toile.dressing.body.avatar import Avatar, avatar_of, repaired_avatar, used_triangles
+from toile.dressing.body.avatar_parts import body_faces
 from toile.dressing.body.avatar_units import upright
-from toile.dressing.files.corner_surface import triangle_surface
+from toile.dressing.body.reading import RECOGNISED, Reading
 from toile.dressing.files.gltf.animated_gltf import read_animated_gltf
 from toile.dressing.files.gltf.gltf_file import has_animation
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
-from toile.dressing.files.npz_file import npz_arrays
-from toile.dressing.files.read_surface import FORMATS, GLTF, read_surface
-from toile.dressing.files.surface_check import check_vertex_numbers
+from toile.dressing.files.moving_file import MovingSurface, read_folder_motion, read_npz_motion
+from toile.dressing.files.read_surface import GLTF
+from toile.dressing.files.usd_file import FORMATS as USD
+from toile.dressing.files.usd_file import read_usd
 from toile.engine.cloth.vertex_motion import VertexMotion
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError, about
 
 DEFAULT_FPS = 24.0
@@ -31,30 +31,29 @@ BOUND_TO = 4
 def is_animated(path: Path) -> bool:
     """Whether a path names what `load_animated_avatar` reads."""
     return (
-        path.suffix.lower() == ".npz"
+        path.suffix.lower() in (".npz", *USD)
         or path.is_dir()
         or (path.suffix.lower() in GLTF and has_animation(path))
     )
 
 
 def load_animated_avatar(
-    path: Path,
-    *,
-    units: str | None = None,
-    up: str | None = None,
-    fps: float | None = None,
-    clip: str | None = None,
+    path: Path, *, reading: Reading = RECOGNISED, fps: float | None = None, clip: str | None = None
 ) -> Avatar:
     """Read a body and its motion; the body is the first frame, repaired.
+
+    Closed parts that overlap stay apart, since in motion they part.
 
     Parameters
     ----------
     path
-        An .npz file with `vertices` (or `positions`), shape (k, v, 3), `faces`, shape (f, 3), and perhaps
-        `fps`; a .glb or .gltf file with an animation; or a folder of mesh files of the same vertices and
-        faces, ordered by numbers in their names; the first decides how polygons are split.
-    units, up
-        As for `load_avatar`, recognised from the first frame where None.
+        An .npz file with `vertices` (or `positions`, `verts`, `v`), shape (k, v, 3), `faces` (or `f`), shape
+        (f, 3), and perhaps `fps`; a .glb or .gltf file with an animation; or a folder of mesh files of the
+        same vertices and faces, ordered by numbers in their names; the first decides how polygons are split.
+        An .npz of one frame, or of the shape (v, 3), is a body that stands still; so is a USD file in which
+        nothing moves.
+    reading
+        What is known of the file; the rest is recognised from the first frame.
     fps
         Frames per second, at which a glTF animation is sampled; None takes the file's own, or 24.
     clip
@@ -66,19 +65,28 @@ def load_animated_avatar(
         If something is missing, of the wrong shape or not finite, or if frames differ in their faces.
     """
     with about(file=path):
-        _check_words(path, units, up, fps, clip)
-        return _loaded(path, units, up, fps, clip)
+        _check_words(path, reading, fps, clip)
+        if _is_gltf(path):
+            sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
+            moving = MovingSurface(frames=sampled.frames, surface=sampled.surface, notes=(sampled.note,))
+        else:
+            moving = _read_frames(path)
+        reading = _completed(reading, moving)
+        if len(moving.frames) > 1:
+            return _moving_avatar(path, moving, reading, fps)
+        if path.is_dir():
+            raise InputError(
+                f"{path}: a motion needs at least two frames, got 1; give the mesh instead", file=path
+            )
+        if fps is not None:
+            raise InputError(f"{path}: holds one frame, so it has no fps", file=path, field="fps")
+        return _noted(avatar_of(path, moving.surface, reading), moving.notes)
 
 
 def load_posed_avatar(
-    path: Path,
-    *,
-    time: float,
-    units: str | None = None,
-    up: str | None = None,
-    fps: float | None = None,
+    path: Path, *, time: float, reading: Reading = RECOGNISED, fps: float | None = None,
     clip: str | None = None,
-) -> Avatar:
+) -> Avatar:  # fmt: skip
     """Read a body that moves as it stands at a time [s], and stand still there.
 
     The time is that of a glTF animation's keys, or counts from the first frame of an .npz or a folder; before
@@ -86,22 +94,33 @@ def load_posed_avatar(
     `load_animated_avatar`.
     """
     with about(file=path):
-        _check_words(path, units, up, fps, clip)
+        _check_words(path, reading, fps, clip)
         if not np.isfinite(time):
             raise InputError(f"{path}: time must be finite, got {time:g}", file=path, field="time")
-        is_gltf = _is_gltf(path)
         said: tuple[str, ...]
-        if is_gltf:
+        if _is_gltf(path):
             surface, said = read_still_gltf(path, time=time, clip=clip)
         else:
-            frames, faces, own_fps = _read_frames(path)
-            motion = VertexMotion(frames=frames, fps=fps or own_fps or DEFAULT_FPS)
-            surface = triangle_surface(motion.at(time), faces)
-            said = (f"The body stands as at {time:g} s, {motion.fps:g} frames per second.",)
-        avatar = avatar_of(
-            path.name, path.stem, *used_triangles(path, surface), units=units, up=up, is_gltf=is_gltf
-        )
-        return replace(avatar, notes=(*said, *avatar.notes))
+            moving = _read_frames(path)
+            surface, said, reading = moving.surface, moving.notes, _completed(reading, moving)
+            if len(moving.frames) > 1:
+                motion = VertexMotion(frames=moving.frames, fps=fps or moving.fps or DEFAULT_FPS)
+                surface = replace(surface, positions=motion.at(time))
+                said = (
+                    *said,
+                    f"The body stands as at {time:g} s, {motion.fps:g} frames per second.",
+                )
+        return _noted(avatar_of(path, surface, reading), said)
+
+
+def _noted(avatar: Avatar, said: tuple[str, ...]) -> Avatar:
+    """Return an avatar with notes on how its file was read."""
+    return replace(avatar, notes=(*said, *avatar.notes))
+
+
+def _completed(reading: Reading, moving: MovingSurface) -> Reading:
+    """Return what is known of a file, by what it says itself where the user does not."""
+    return replace(reading, units=reading.units or moving.units, up=reading.up or moving.up)
 
 
 def _is_gltf(path: Path) -> bool:
@@ -109,116 +128,39 @@ def _is_gltf(path: Path) -> bool:
     return not path.is_dir() and path.suffix.lower() in GLTF
 
 
-def _check_words(path: Path, units: str | None, up: str | None, fps: float | None, clip: str | None) -> None:
+def _check_words(path: Path, reading: Reading, fps: float | None, clip: str | None) -> None:
     """Raise InputError for what no file or not this one can have."""
-    checked_frame_words(path.name, units, up)
+    reading.check(path.name)
     if fps is not None and not 0.0 < fps < np.inf:
         raise InputError(f"{path}: fps must be greater than zero, got {fps:g}", file=path, field="fps")
     if clip is not None and not _is_gltf(path):
         raise InputError(f"{path}: clip names an animation of a .glb or .gltf file", file=path, field="clip")
 
 
-def _read_frames(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
-    """Vertices over time in file units, faces and frames per second of an .npz file or a folder."""
-    frames, faces, fps = _read_folder(path) if path.is_dir() else _read_npz(path)
-    if not len(frames):
-        raise InputError(f"{path}: holds no frames; export the motion again", file=path)
-    return frames, faces, fps
+def _read_frames(path: Path) -> MovingSurface:
+    """Return the frames of an .npz or USD file or a folder."""
+    if path.is_dir():
+        return read_folder_motion(path)
+    return read_usd(path) if path.suffix.lower() in USD else read_npz_motion(path)
 
 
-def _loaded(path: Path, units: str | None, up: str | None, fps: float | None, clip: str | None) -> Avatar:
-    """Return the avatar of a file or folder, with its motion."""
-    own_fps: float | None = None
-    said: tuple[str, ...] = ()
-    is_gltf = _is_gltf(path)
-    if is_gltf:
-        sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
-        frames, faces, said = sampled.frames, sampled.faces, (sampled.note,)
-    else:
-        frames, faces, own_fps = _read_frames(path)
-    if len(frames) < 2:
-        raise InputError(
-            f"{path}: a motion needs at least two frames, got {len(frames)}; give a mesh instead", file=path
-        )
-    bad = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
-    if len(bad):
-        raise InputError(
-            f"{path}: frame {bad[0]} has NaN or infinite coordinates; export the motion again", file=path
-        )
-    first = np.ascontiguousarray(frames[0], np.float64)
-    avatar = avatar_of(path.name, path.stem, first, faces, units=units, up=up, is_gltf=is_gltf)
-    metres = np.asarray(upright(frames, avatar.up_axis) * avatar.metres_per_unit, np.float32)
-    motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=fps or own_fps or DEFAULT_FPS)
-    assumed = "" if fps or own_fps else " (assumed; set fps to change it)"
-    count = f"{len(frames)} frames at {motion.fps:g} per second{assumed}"
-    return replace(avatar, motion=motion, notes=(*avatar.notes, *said, count))
+def _moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:
+    """Return the avatar of frames, with its motion."""
+    surface = moving.surface
+    kept, said = body_faces(path.name, surface, reading.only, reading.without)
+    used = np.unique(surface.faces[kept])
+    vertices, faces = used_triangles(path, surface.positions, surface.faces[kept])
+    avatar = repaired_avatar(path, vertices, faces, reading, said, moves=True)
+    scale = avatar.metres_per_unit
+    metres = np.stack([upright(frame[used], avatar.up_axis) * scale for frame in moving.frames])
+    own_fps = fps or moving.fps
+    motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=own_fps or DEFAULT_FPS)
+    assumed = "" if own_fps else " (assumed; set fps to change it)"
+    count = f"{len(metres)} frames at {motion.fps:g} per second{assumed}"
+    return replace(avatar, motion=motion, notes=(*avatar.notes, *moving.notes, count))
 
 
-def _read_npz(path: Path) -> tuple[npt.NDArray[np.float32], Int, float | None]:
-    """Vertices over time in file units, faces and frames per second of an .npz file."""
-    if not path.is_file():
-        raise InputError(f"{path}: avatar file not found; check the path", file=path)
-    held = npz_arrays(path, "the motion")
-    name = next((key for key in ("vertices", "positions") if key in held), None)
-    if name is None or "faces" not in held:
-        raise InputError(
-            f"{path}: needs arrays `vertices` (frames, vertices, 3) and `faces` (faces, 3), "
-            f"has {', '.join(sorted(held)) or 'none'}",
-            file=path,
-        )
-    frames, faces = held[name], held["faces"]
-    if frames.ndim != 3 or frames.shape[2] != 3 or frames.dtype.kind not in "fiu":
-        raise InputError(
-            f"{path}: {name} must have the shape (frames, vertices, 3), got {frames.shape}",
-            file=path,
-            field=name,
-        )
-    if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer) or not len(faces):
-        raise InputError(
-            f"{path}: faces must be whole numbers of the shape (faces, 3), got {faces.shape}",
-            file=path,
-            field="faces",
-        )
-    check_vertex_numbers(path, faces, frames.shape[1], "export the motion again")
-    fps = None
-    if "fps" in held:
-        own = np.asarray(held["fps"]).ravel()
-        if len(own) != 1 or own.dtype.kind not in "fiu":
-            raise InputError(f"{path}: fps must be one number, is {own.tolist()[:3]}", file=path, field="fps")
-        fps = float(own[0])
-        if not np.isfinite(fps) or fps <= 0.0:
-            raise InputError(f"{path}: fps must be greater than zero, got {fps:g}", file=path, field="fps")
-    return frames.astype(np.float32), np.ascontiguousarray(faces, np.int32), fps
-
-
-def _read_folder(path: Path) -> tuple[npt.NDArray[np.float32], Int, None]:
-    """Vertices over time in file units and faces of the meshes in a folder."""
-    files = sorted(
-        (file for file in path.iterdir() if file.suffix.lower() in FORMATS),
-        key=lambda file: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file.name)],
-    )
-    if not files:
-        raise InputError(
-            f"{path}: holds no mesh files; export one of {', '.join(FORMATS)} per frame", file=path
-        )
-    frames: list[npt.NDArray[np.float32]] = []
-    first, faces = read_surface(files[0], "the body").surface, np.empty((0, 3), np.int32)
-    for file in files:
-        surface = read_surface(file, "the body", first.positions).surface
-        vertices, own = used_triangles(file, surface)
-        if not frames:
-            faces = own
-        elif not np.array_equal(own, faces) or frames[0].shape != vertices.shape:
-            raise InputError(
-                f"{file}: its faces differ from those of {files[0].name}; "
-                "all frames must be the same mesh in motion",
-                file=file,
-            )
-        frames.append(vertices.astype(np.float32))
-    return np.stack(frames), faces, None
-
-
-def _followed(vertices: Float, frames: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+def _followed(vertices: Float, frames: Float) -> Float:
     """Let repaired vertices, shape (v, 3), follow the file's over time, shape (k, n, 3), [m]."""
     distance, nearest = cKDTree(frames[0]).query(vertices, k=BOUND_TO)
     distance, nearest = np.asarray(distance), np.asarray(nearest)
@@ -229,5 +171,5 @@ def _followed(vertices: Float, frames: npt.NDArray[np.float32]) -> npt.NDArray[n
     weights = 1.0 / np.maximum(distance, SAME) ** 2
     weights[distance[:, 0] < SAME, 1:] = 0.0
     weights /= weights.sum(axis=1, keepdims=True)
-    moved = np.einsum("vq,kvqi->kvi", weights, (frames - frames[0])[:, nearest])
-    return np.asarray(vertices + moved, np.float32)
+    moved = [np.einsum("vq,vqi->vi", weights, (frame - frames[0])[nearest]) for frame in frames]
+    return np.asarray(vertices + np.stack(moved))

@@ -1,5 +1,6 @@
 """The body that garments are put on: one watertight surface in metres, Y up."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -7,10 +8,14 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from toile.dressing.body.avatar_repair import repaired_surface
-from toile.dressing.body.avatar_units import METRES_PER_UNIT, recognise_frame, upright
+from toile.dressing.body.avatar_parts import body_faces
+from toile.dressing.body.avatar_repair import closed_parts, crossing_notes, side_by_side, united
+from toile.dressing.body.avatar_units import recognise_frame, upright
+from toile.dressing.body.facing import front_of_axis, recognised_facing
+from toile.dressing.body.reading import Reading
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.read_surface import FORMATS, GLTF, read_surface
+from toile.dressing.files.unknown_format import unknown_format
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
@@ -36,6 +41,12 @@ class Avatar:
         What was recognised and repaired, one sentence each.
     motion
         How it moves from there, or None.
+    front
+        Angle about Y from +Z towards +X that it faces [degrees].
+    solid
+        Vertices and faces of one surface around it at the start, where `vertices` are shells that overlap.
+    placed
+        Whether it is in its own frame (see `Place`) and not wherever a file has it.
     """
 
     name: str
@@ -45,6 +56,9 @@ class Avatar:
     up_axis: Literal["y", "z"] = "y"
     notes: tuple[str, ...] = ()
     motion: VertexMotion | None = None
+    front: float = 0.0
+    solid: tuple[Float, Int] | None = None
+    placed: bool = False
 
     def to_source(self, positions: npt.ArrayLike) -> Float:
         """Positions in the source file's own units and axes, from positions [m], Y up, shape (n, 3)."""
@@ -53,7 +67,10 @@ class Avatar:
         return np.ascontiguousarray(turned / self.metres_per_unit)
 
 
-def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = None) -> Avatar:
+def load_avatar(
+    path: str | Path, *, units: str | None = None, up: str | None = None, front: str | None = None,
+    only: Sequence[str] = (), without: Sequence[str] = (),
+) -> Avatar:  # fmt: skip
     """Read a body from a file of one of FORMATS and repair it into one collision surface.
 
     Parameters
@@ -66,6 +83,11 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
     up
         "y" or "z"; None recognises it from the shape. A Z-up body that faces -Y (Blender's front view)
         comes out facing +Z: (x, y, z) becomes (x, z, -y).
+    front
+        Axis of the file that the body faces, such as "-z"; None recognises it from trunk and feet.
+    only, without
+        Names of the parts that are the body, and of those that are not; wildcards may be used. A floor, hair,
+        lashes, helpers and second copies of faces are recognised unless `only` is given.
 
     Raises
     ------
@@ -74,74 +96,91 @@ def load_avatar(path: str | Path, *, units: str | None = None, up: str | None = 
         body in any unit, or cannot be closed into a solid.
     """
     path = Path(path)
+    reading = Reading(units=units, up=up, front=front, only=tuple(only), without=tuple(without))
     with about(file=path):
-        return _loaded(path, units, up)
+        reading.check(path.name)
+        if path.suffix.lower() not in FORMATS:
+            raise InputError(f"{path}: {unknown_format(path)}", file=path)
+        surface, notes = read_surface(path, "the body")
+        avatar = avatar_of(path, surface, reading)
+        return replace(avatar, notes=(*notes, *avatar.notes))
 
 
-def _loaded(path: Path, units: str | None, up: str | None) -> Avatar:
-    """Return the avatar of a file."""
-    extension = path.suffix.lower()
-    checked_frame_words(path.name, units, up)
-    if extension not in FORMATS:
-        raise InputError(
-            f"{path}: unknown avatar format {extension or '(no extension)'!r}; "
-            f"export the body as one of {', '.join(FORMATS)}",
-            file=path,
-        )
-    vertices, faces, notes = read_triangles(path)
-    is_gltf = extension in GLTF
-    avatar = avatar_of(path.name, path.stem, vertices, faces, units=units, up=up, is_gltf=is_gltf)
-    return replace(avatar, notes=(*notes, *avatar.notes))
+def avatar_of(path: Path, surface: Surface, reading: Reading) -> Avatar:
+    """Make an avatar of what a file holds: find the body, recognise its frame and repair it."""
+    kept, said = body_faces(path.name, surface, reading.only, reading.without)
+    vertices, faces = used_triangles(path, surface.positions, surface.faces[kept])
+    return repaired_avatar(path, vertices, faces, reading, said, moves=False)
 
 
-def checked_frame_words(file: str, units: str | None, up: str | None) -> None:
-    """Raise InputError if a unit or an up axis is none that is known."""
-    if units is not None and units not in METRES_PER_UNIT:
-        raise InputError(
-            f"{file}: unknown unit {units!r}; give one of {', '.join(METRES_PER_UNIT)}", field="units"
-        )
-    if up is not None and up not in ("y", "z"):
-        raise InputError(f'{file}: unknown up axis {up!r}; give "y" or "z"', field="up")
-
-
-def avatar_of(
-    file: str, name: str, vertices: Float, faces: Int, *, units: str | None, up: str | None, is_gltf: bool
+def repaired_avatar(
+    path: Path, vertices: Float, faces: Int, reading: Reading, said: tuple[str, ...], *, moves: bool
 ) -> Avatar:
-    """Make an avatar of a file's vertices, in file units, and faces: recognise its frame and repair it."""
-    frame = recognise_frame(file, vertices, units=units, up=up, is_gltf=is_gltf)
+    """Make an avatar of the vertices of a body in file units and its faces.
+
+    Parameters
+    ----------
+    path
+        Its file, for messages and the name.
+    vertices, faces
+        Shapes (v, 3) and (f, 3).
+    reading
+        What is known of it.
+    said
+        Notes on how it was found.
+    moves
+        Whether it moves: shells that overlap then stay apart.
+    """
+    frame = recognise_frame(
+        path.name, vertices, units=reading.units, up=reading.up, is_gltf=path.suffix.lower() in GLTF
+    )
     metres = upright(vertices, frame.up_axis) * frame.metres_per_unit
-    vertices, faces, repairs = repaired_surface(file, metres, faces)
+    parts, repairs = closed_parts(path.name, metres, faces)
+    solid, union = united(path.name, parts)
+    shown, shells = side_by_side(path.name, parts) if moves else (solid, union)
+    front, facing = _front(path.name, solid, reading.front, frame.up_axis)
     return Avatar(
-        name=name,
-        vertices=vertices,
-        faces=faces,
+        name=path.stem,
+        vertices=shown[0],
+        faces=shown[1],
         metres_per_unit=frame.metres_per_unit,
         up_axis=frame.up_axis,
-        notes=(*frame.notes, *repairs),
+        front=front,
+        solid=solid if len(parts) > 1 and moves else None,
+        notes=(*said, *frame.notes, *facing, *repairs, *shells, *crossing_notes(*solid)),
     )
 
 
-def read_triangles(path: Path, shape: Float | None = None) -> tuple[Float, Int, tuple[str, ...]]:
-    """Vertices (v, 3) in file units, without unused ones, and faces (f, 3) of everything in a file; notes.
+def _front(file: str, solid: tuple[Float, Int], given: str | None, up: str) -> tuple[float, tuple[str, ...]]:
+    """Return the angle that a body faces [degrees], as given or recognised, and what there is to say."""
+    if given is not None:
+        if given[-1] == up:
+            raise InputError(f"{file}: a body whose up axis is {up} does not face {given}", field="front")
+        return front_of_axis(given, up), ()
+    found = recognised_facing(*solid)
+    if not found.degrees:
+        return 0.0, ()
+    words = {90.0: "+X", -90.0: "-X", 180.0: "-Z"}
+    towards = words.get(
+        found.degrees,
+        f"{abs(found.degrees):.0f} degrees from +Z towards {'+' if found.degrees > 0.0 else '-'}X",
+    )
+    how = "trunk and feet" if found.sure else "its trunk alone, so front and back may be wrong: give front"
+    return found.degrees, (f"The body faces {towards}, Y up (recognised from {how}).",)
 
-    `shape` are all positions by which polygons are split, see `read_surface`.
-    """
-    surface, notes = read_surface(path, "the body", shape)
-    return *used_triangles(path, surface), notes
 
-
-def used_triangles(path: Path, surface: Surface) -> tuple[Float, Int]:
-    """Vertices (v, 3) of a surface that faces use, and faces (f, 3).
+def used_triangles(path: Path, positions: Float, faces: Int) -> tuple[Float, Int]:
+    """Vertices (v, 3) that faces (f, 3) use, and those faces.
 
     Raises InputError if there are none or some are not finite.
     """
-    if not len(surface.faces):
+    if not len(faces):
         raise InputError(
             f"{path}: holds no triangles (an empty mesh or a point cloud); export the body as a surface mesh",
             file=path,
         )
-    used, renumbered = np.unique(surface.faces, return_inverse=True)
-    vertices = np.ascontiguousarray(surface.positions[used])
+    used, renumbered = np.unique(faces, return_inverse=True)
+    vertices = np.ascontiguousarray(positions[used])
     bad_rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(bad_rows):
         raise InputError(

@@ -24,18 +24,24 @@ def boundary_loops(faces: Int) -> list[Int]:
     ways, times = np.unique(np.concatenate([start * span + end, end * span + start]), return_inverse=True)
     excess = np.bincount(times[: len(start)], minlength=len(ways))
     excess -= np.bincount(times[len(start) :], minlength=len(ways))
-    lone = ways[excess > 0]
-    following = dict(zip((lone % span).tolist(), (lone // span).tolist(), strict=True))
+    lone = np.repeat(ways, np.maximum(excess, 0))
+    following: dict[int, list[int]] = {}
+    for vertex, after in zip((lone % span).tolist(), (lone // span).tolist(), strict=True):
+        following.setdefault(vertex, []).append(after)
     loops: list[Int] = []
-    while following:
-        first, vertex = following.popitem()
-        loop = [first]
-        while vertex != first:
-            loop.append(vertex)
-            vertex = following.pop(vertex)
-        # Start at the smallest index: the result must not depend on the order of a dictionary.
-        turn = loop.index(min(loop))
-        loops.append(np.array(loop[turn:] + loop[:turn], dtype=np.int32))
+    for first in sorted(following):
+        while following[first]:
+            path = [first]
+            while following[path[-1]]:
+                after = following[path[-1]].pop()
+                path.append(after)
+                # Holes may touch in a vertex: each is a loop of its own.
+                begin = path.index(after)
+                if begin < len(path) - 1:
+                    loop = path[begin:-1]
+                    del path[begin + 1 :]
+                    turn = loop.index(min(loop))
+                    loops.append(np.array(loop[turn:] + loop[:turn], dtype=np.int32))
     return sorted(loops, key=lambda loop: int(loop[0]))
 
 

@@ -13,19 +13,45 @@ from toile.geometry.errors import InputError
 
 SMALLEST_VOLUME = 1e-9
 """A closed part below this volume [m3] is a sheet or a crumb, not a part of a body."""
+LEAST_OUTSIDE = 0.05
+"""A part of which no more than this share lies outside the others is inside them."""
+CARD = 0.7
+"""What closes the one hole of a card (hair, lashes) is more than this share of its own area."""
 
 
-def repaired_surface(
-    file_name: str, vertices: Float, faces: Int, *, check_crossings: bool = True
-) -> tuple[Float, Int, tuple[str, ...]]:
-    """Return vertices [m], faces and notes of one closed surface around everything the soup encloses.
+Part = tuple[Float, Int]
+"""Vertices [m], shape (v, 3), and faces, shape (f, 3), of a closed, outward-oriented surface."""
+
+
+def repaired_surface(file_name: str, vertices: Float, faces: Int) -> tuple[Float, Int, tuple[str, ...]]:
+    """Return vertices [m], faces and notes of one closed surface around everything a soup encloses.
+
+    Parts are closed as `closed_parts` does, and united. Vertices are never moved. A surface that crosses
+    itself is kept as it is; the places are named in the notes. Raises InputError as `closed_parts` does.
+    """
+    parts, notes = closed_parts(file_name, vertices, faces)
+    (vertices, faces), said = united(file_name, parts)
+    return vertices, faces, (*notes, *said, *crossing_notes(vertices, faces))
+
+
+def crossing_notes(vertices: Float, faces: Int) -> tuple[str, ...]:
+    """Say where a surface [m] crosses itself, if it does."""
+    pairs = crossing_pairs(vertices, faces)
+    if not len(pairs):
+        return ()
+    centres = vertices[faces[pairs]].mean(axis=(1, 2))
+    return (
+        f"The body crosses itself in {len(pairs)} pairs of faces, kept as they are, near "
+        f"{describe_places(centres)}.",
+    )
+
+
+def closed_parts(file_name: str, vertices: Float, faces: Int) -> tuple[list[Part], list[str]]:
+    """Return the closed parts of a triangle soup, vertices in metres, and notes.
 
     Duplicate vertices along open edges are welded, duplicate and collapsed faces dropped, windings made
-    consistent and outward, holes filled, and closed parts united. Vertices are never moved. A surface
-    that crosses itself is kept as it is; the places are named in the notes.
-
-    Raises InputError naming the place if a part is one-sided, a hole cannot be filled, or nothing
-    encloses a volume.
+    consistent and outward, and holes filled. Raises InputError naming the place if a part is one-sided, a
+    hole cannot be filled, or nothing encloses a volume.
     """
     notes: list[str] = []
     vertices, faces, welded = weld_open_edges(vertices, faces)
@@ -51,19 +77,7 @@ def repaired_surface(
     turned += turned_parts
     if turned:
         notes.append(f"{turned} faces were turned outward.")
-    notes += repairs
-    vertices, faces, union_notes = _united(file_name, parts)
-    notes += union_notes
-
-    if check_crossings:
-        pairs = crossing_pairs(vertices, faces)
-        if len(pairs):
-            centres = vertices[faces[pairs]].mean(axis=(1, 2))
-            notes.append(
-                f"The body crosses itself in {len(pairs)} pairs of faces, kept as they are, near "
-                f"{describe_places(centres)}."
-            )
-    return vertices, faces, tuple(notes)
+    return parts, notes + repairs
 
 
 def _without_useless_faces(faces: Int) -> tuple[Int, int]:
@@ -81,17 +95,24 @@ def _volume(vertices: Float, faces: Int) -> float:
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
+def _area(vertices: Float, faces: Int) -> float:
+    """Area of triangles [m2]."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
 def _closed_parts(
     file_name: str, vertices: Float, faces: Int, part: Int
-) -> tuple[list[tuple[Float, Int]], list[str], int]:
+) -> tuple[list[Part], list[str], int]:
     """Fill the holes of every connected part and turn it outward.
 
     Returns the closed parts, the notes, and how many faces were turned.
     """
-    parts: list[tuple[Float, Int]] = []
+    parts: list[Part] = []
     filled_places: list[Float] = []
     filled_edges: list[int] = []
     sheets = turned = 0
+    largest = int(np.bincount(part).argmax())
     for index in range(int(part.max()) + 1):
         members = faces[part == index]
         used, local = np.unique(members, return_inverse=True)
@@ -104,7 +125,9 @@ def _closed_parts(
             patch = loop[fill_loop(points[loop])].astype(np.int32)
             triangles_closed = np.concatenate([triangles_closed, patch])
         volume = _volume(points_closed - centre, triangles_closed)
-        if abs(volume) < SMALLEST_VOLUME:
+        own, closing = (_area(points, some) for some in (triangles, triangles_closed[len(triangles) :]))
+        is_card = len(loops) == 1 and closing > CARD * own and index != largest
+        if abs(volume) < SMALLEST_VOLUME or is_card:
             sheets += 1
             continue
         for loop in loops:
@@ -127,15 +150,35 @@ def _closed_parts(
             f"{describe_places(np.array(filled_places))}."
         )
     if sheets:
-        notes.append(f"{sheets} parts that enclose no volume were dropped.")
+        notes.append(f"{sheets} sheets that enclose no volume (cards of hair, lashes) were left out.")
     return parts, notes, turned
 
 
-def _united(file_name: str, parts: list[tuple[Float, Int]]) -> tuple[Float, Int, list[str]]:
-    """Unite closed parts into one surface; a single part is returned untouched."""
+def side_by_side(file_name: str, parts: list[Part]) -> tuple[Part, list[str]]:
+    """Return closed parts as one mesh of several shells, without those that lie inside others, and notes."""
+    solids = [_solid(file_name, points, triangles) for points, triangles in parts]
+    order = sorted(range(len(parts)), key=lambda index: -solids[index].volume())
+    around, shells = solids[order[0]], [order[0]]
+    for index in order[1:]:
+        if (solids[index] - around).volume() > LEAST_OUTSIDE * solids[index].volume():
+            shells.append(index)
+            around += solids[index]
+    shells.sort()
+    starts = np.cumsum([0, *(len(parts[index][0]) for index in shells)])
+    vertices = np.concatenate([parts[index][0] for index in shells])
+    pieces = [parts[index][1] + start for index, start in zip(shells, starts, strict=False)]
+    inside = len(parts) - len(shells)
+    notes = [f"{inside} closed parts inside others (eyes, teeth) were left out."] if inside else []
+    if len(shells) > 1:
+        notes.append(f"{len(shells)} closed parts move apart from each other.")
+    return (vertices, np.ascontiguousarray(np.concatenate(pieces), np.int32)), notes
+
+
+def united(file_name: str, parts: list[Part]) -> tuple[Part, list[str]]:
+    """Return closed parts as one surface, and notes; a single part is returned untouched."""
     solids = [_solid(file_name, points, triangles) for points, triangles in parts]
     if len(solids) == 1:
-        return parts[0][0], parts[0][1], []
+        return parts[0], []
     union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
     mesh = union.to_mesh64()
     vertices = np.ascontiguousarray(mesh.vert_properties[:, :3], dtype=np.float64)
@@ -147,7 +190,7 @@ def _united(file_name: str, parts: list[tuple[Float, Int]]) -> tuple[Float, Int,
     loose = f"{pieces} pieces that do not touch remain" if pieces > 1 else ""
     details = "; ".join(text for text in (inside, loose) if text)
     note = f"{len(parts)} closed parts were united into one body" + (f" ({details})." if details else ".")
-    return vertices, faces, [note]
+    return (vertices, faces), [note]
 
 
 def _solid(file_name: str, points: Float, triangles: Int) -> manifold3d.Manifold:

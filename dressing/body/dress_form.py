@@ -3,25 +3,51 @@
 from functools import cached_property
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.given_measurements import Given, completed
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.place import Place
 from toile.geometry.errors import InputError
 
 
 class DressForm:
-    """An avatar with its measurements, which are taken once, when first asked for."""
+    """An avatar in its own frame, with its measurements, which are taken once, when first asked for.
 
-    def __init__(self, avatar: Avatar) -> None:
-        self.avatar = avatar
+    Attributes
+    ----------
+    avatar
+        The body in its own frame.
+    place
+        Where it stands in the room of its file.
+    given
+        Measurements that the user gave [m, rad], instead of those taken.
+    """
+
+    def __init__(self, avatar: Avatar, given: Given | None = None) -> None:
+        self.place = Place.of(avatar)
+        self.avatar = self.place.own(avatar)
+        self.given = dict(given or {})
 
     @cached_property
-    def measured(self) -> Measurements | InputError:
-        """Measurements of the avatar, or why it has none (it sits, say, or holds its arms up)."""
+    def _completed(self) -> tuple[Measurements | InputError, tuple[str, ...]]:
+        """Measurements, or why there are none, and notes."""
         from toile.dressing.body.measure import measure
 
+        measured: Measurements | InputError
         try:
-            return measure(self.avatar)
+            measured = measure(self.avatar)
         except InputError as error:
-            return error
+            measured = error
+        return completed(self.avatar, measured, self.given) if self.given else (measured, ())
+
+    @property
+    def measured(self) -> Measurements | InputError:
+        """Measurements of the avatar, or why it has none (it sits, say, or holds its arms up)."""
+        return self._completed[0]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What there is to say about measurements that were given."""
+        return self._completed[1]
 
     @property
     def measurements(self) -> Measurements:

@@ -46,6 +46,7 @@ def mannequin(*, height: float = 1.70, chest: float = 0.92, waist: float = 0.74,
         name="mannequin",
         vertices=np.ascontiguousarray(vertices),
         faces=faces,
+        placed=True,
         notes=(
             f"Built-in mannequin: height {height:.3g} m, chest {chest:.3g} m, waist {waist:.3g} m, "
             f"hip {hip:.3g} m.",

@@ -9,8 +9,12 @@ from scipy.sparse.csgraph import dijkstra
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.avatar_sections import Section, cut, level_cut
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.place import Place
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
+
+BY_HAND = "give the measurements by hand (measurements = FILE)"
+"""What to do about a body that cannot be measured."""
 
 STEP = 0.005
 """Distance between neighbouring cuts, in body heights."""
@@ -18,6 +22,16 @@ STEP = 0.005
 PALM, WRIST = 6, (11, 18)
 """Where the palm begins and the wrist lies: distance from the fingertip along the mesh's edges, in hundredths
 of the height (a hand is 0.105 heights long; paths along edges are about a tenth longer)."""
+
+BUST, BUST_BELOW = 0.724, 0.025
+"""Level of the bust, and how far it is below the armpit, in body heights: 0.721, 0.724 and 0.727, and 0.0253,
+0.0240 and 0.0263, on three mean bodies."""
+
+THIGH = 0.0045
+"""How far below the crotch the thigh is measured, in body heights: above, flesh between the thighs counts."""
+
+LOWEST_CROTCH = 0.35
+"""Legs that part below this are in a skirt or sit, in body heights: a baby's part at 0.37."""
 
 NECK_BASE_SLOPE = float(np.tan(np.radians(32.0)))
 """Slope of the outline at the base of the neck; shoulders fall at about 20 degrees."""
@@ -27,7 +41,7 @@ WIDEST_NECK = 1.7
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Body:
+class MeasuredBody:
     """A body on the floor: positions [m], faces, height [m] and the x of its middle plane [m]."""
 
     name: str
@@ -37,9 +51,8 @@ class _Body:
     middle: float
 
     def error(self, reason: str) -> InputError:
-        return InputError(
-            f"{self.name}: cannot be measured: {reason}; give the measurements by hand", field="avatar"
-        )
+        """Return the error that says why it cannot be measured."""
+        return InputError(f"{self.name}: cannot be measured: {reason}; {BY_HAND}", field="avatar")
 
     def levels(self, low: float, high: float) -> Float:
         """Heights of cuts between two heights [m]."""
@@ -62,30 +75,20 @@ class _Body:
 
 
 def measure(avatar: Avatar) -> Measurements:
-    """Measure a standing body in A- or T-pose, Y up, facing +Z.
+    """Measure a standing body in A- or T-pose, wherever it stands and whichever way it faces.
 
     Girths are convex (a tape measure bridges hollows), arms and hands left out; of the limbs, the left
     (+X) ones are measured. Raises InputError if the body sits, lies, or holds its arms up or at its sides
     without a gap.
     """
-    vertices = np.ascontiguousarray(avatar.vertices)
-    floor = float(vertices[:, 1].min())
-    vertices = vertices - (0.0, floor, 0.0)
-    height = float(vertices[:, 1].max())
-    band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
-    if not len(band):
-        raise InputError(
-            f"{avatar.name}: cannot be measured: it has no trunk; give the measurements by hand",
-            field="avatar",
-        )
-    middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
-    body = _Body(name=avatar.name, vertices=vertices, faces=avatar.faces, height=height, middle=middle)
+    body = measured_body(avatar)
+    height, middle = body.height, body.middle
 
     crotch = _crotch_level(body)
     armpit, armpit_x = _armpit(body, crotch)
     waist_level, waist = _waist(body, crotch, armpit)
     hip_level, hip = _largest(body, crotch + 0.01 * height, crotch + 0.075 * height)
-    chest_level, chest = _largest(body, waist_level + 0.06 * height, armpit - 0.004 * height)
+    chest_level, chest = _chest(body, waist_level, armpit)
     silhouette = _silhouette(body, armpit)
     neck_x, neck_level = _neck_base(body, silhouette)
     shoulder_x = float(np.clip(armpit_x, middle + 1.5 * (neck_x - middle), middle + 0.135 * height))
@@ -115,12 +118,28 @@ def measure(avatar: Avatar) -> Measurements:
         hip_height=hip_level,
         crotch_height=crotch,
         arm_angle=arm.angle,
-        shoulder_point=(shoulder_x, shoulder_y + floor, shoulder_z),
+        shoulder_point=(shoulder_x, shoulder_y, shoulder_z),
         torso_depth=_torso_depth(body, crotch, armpit, shoulder_x, shoulder_y),
     )
 
 
-def _crotch_level(body: _Body) -> float:
+def measured_body(avatar: Avatar) -> MeasuredBody:
+    """Return an avatar in its own frame, as one surface. Raises InputError without a trunk."""
+    avatar = Place.of(avatar).own(avatar)
+    vertices, faces = avatar.solid or (avatar.vertices, avatar.faces)
+    vertices = vertices - (0.0, vertices[:, 1].min(), 0.0)
+    height = float(vertices[:, 1].max())
+    band = vertices[np.abs(vertices[:, 1] - 0.62 * height) < 0.02 * height]
+    if not len(band):
+        raise InputError(
+            f"{avatar.name}: cannot be measured: it has no trunk; {BY_HAND}",
+            field="avatar",
+        )
+    middle = 0.5 * float(band[:, 0].min() + band[:, 0].max())
+    return MeasuredBody(name=avatar.name, vertices=vertices, faces=faces, height=height, middle=middle)
+
+
+def _crotch_level(body: MeasuredBody) -> float:
     """Height where the legs part [m]. Raises InputError if the body does not stand."""
     levels = body.levels(0.25 * body.height, 0.62 * body.height)
     split = [level for level in levels if body.trunk(level) is None]
@@ -137,7 +156,7 @@ def _crotch_level(body: _Body) -> float:
     crotch = float(0.5 * (below + above))
     # Standing legs go down from the hips; sitting thighs go forward.
     hips = body.trunk(crotch + 0.05 * body.height)
-    if hips is None or not 0.38 * body.height < crotch < 0.58 * body.height:
+    if hips is None or not LOWEST_CROTCH * body.height < crotch < 0.58 * body.height:
         raise body.error(f"its legs part at {crotch / body.height:.0%} of its height, so it does not stand")
     for share in (0.75, 0.5):
         legs = [
@@ -151,7 +170,7 @@ def _crotch_level(body: _Body) -> float:
     return crotch
 
 
-def _armpit(body: _Body, crotch: float) -> tuple[float, float]:
+def _armpit(body: MeasuredBody, crotch: float) -> tuple[float, float]:
     """Height of the lower armpit and x of the left (+X) one [m]."""
     levels = body.levels(crotch + 0.15 * body.height, crotch + 0.42 * body.height)
     previous: Section | None = None
@@ -170,7 +189,7 @@ def _armpit(body: _Body, crotch: float) -> tuple[float, float]:
     raise body.error("no armpit found (arms raised, or fused with the trunk)")
 
 
-def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:
+def _largest(body: MeasuredBody, low: float, high: float) -> tuple[float, float]:
     """Level and size of the largest trunk girth between two heights [m]."""
     levels = body.levels(low, max(high, low + 0.01 * body.height))
     girths = [body.trunk_girth(level) for level in levels]
@@ -178,7 +197,20 @@ def _largest(body: _Body, low: float, high: float) -> tuple[float, float]:
     return float(levels[best]), girths[best]
 
 
-def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
+def _chest(body: MeasuredBody, waist: float, armpit: float) -> tuple[float, float]:
+    """Level and girth of the chest: where it is largest below the armpit, or at the usual level of the bust.
+
+    Where the girth grows all the way up to the armpit, it takes in the muscles of the arms.
+    """
+    low, high = waist + 0.06 * body.height, armpit - 0.004 * body.height
+    level, girth = _largest(body, low, high)
+    if level < high - 1.5 * STEP * body.height:
+        return level, girth
+    level = min(high, max(armpit - BUST_BELOW * body.height, BUST * body.height))
+    return level, body.trunk_girth(level)
+
+
+def _waist(body: MeasuredBody, crotch: float, armpit: float) -> tuple[float, float]:
     """Level and size of the smallest trunk girth between hip and chest.
 
     A belly has no smallest girth there; then the usual level of a waist is taken.
@@ -192,7 +224,7 @@ def _waist(body: _Body, crotch: float, armpit: float) -> tuple[float, float]:
     return float(levels[best]), girths[best]
 
 
-def _silhouette(body: _Body, armpit: float) -> Float:
+def _silhouette(body: MeasuredBody, armpit: float) -> Float:
     """Left half of the front outline above the armpit: (x, y) [m] from the top down, shape (n, 2)."""
     points = []
     for level in body.levels(armpit, 0.93 * body.height)[::-1]:
@@ -204,7 +236,7 @@ def _silhouette(body: _Body, armpit: float) -> Float:
     return np.array(points)
 
 
-def _neck_base(body: _Body, silhouette: Float) -> tuple[float, float]:
+def _neck_base(body: MeasuredBody, silhouette: Float) -> tuple[float, float]:
     """X and height of the side of the neck's base: where the outline has turned from neck to shoulder."""
     x, y = silhouette.T
     # Below the narrowest place of the neck, y falls along the neck and x grows along the shoulder: the sum
@@ -231,7 +263,7 @@ def _silhouette_height(silhouette: Float, x: float) -> float:
     return float(level[k - 1] + share * (level[k] - level[k - 1]))
 
 
-def _neck_girth(body: _Body, neck_level: float) -> float:
+def _neck_girth(body: MeasuredBody, neck_level: float) -> float:
     """Smallest girth just above the neck's base, in planes that fall to the front like a collar."""
     tilt = np.radians(20.0)
     normal = np.array([0.0, np.cos(tilt), np.sin(tilt)])
@@ -251,11 +283,11 @@ def _neck_girth(body: _Body, neck_level: float) -> float:
     return min(girths)
 
 
-def _thigh(body: _Body, crotch: float) -> float:
+def _thigh(body: MeasuredBody, crotch: float) -> float:
     """Largest girth of the left thigh just below the crotch [m]."""
     girths = [
         section.girth
-        for level in body.levels(crotch - 0.03 * body.height, crotch - 0.01 * body.height)
+        for level in body.levels(crotch - 0.03 * body.height, crotch - THIGH * body.height)
         for section in level_cut(body.vertices, body.faces, level)
         if body.middle - 0.01 < section.centre[0] < body.middle + 0.14 * body.height
     ]
@@ -275,7 +307,9 @@ class _Arm:
     shoulder_z: float
 
 
-def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder: tuple[float, float]) -> _Arm:
+def _arm(
+    body: MeasuredBody, crotch: float, armpit_x: float, hip_edge: float, shoulder: tuple[float, float]
+) -> _Arm:
     """Follow the left arm from the fingertip to the shoulder by distance along the surface."""
     distance = _surface_distance(body, int(np.argmax(body.vertices[:, 1])))
     # Beside hips and thighs there are only hands, whatever the angle of the arms.
@@ -313,8 +347,9 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
     top = centres[-1]
     along = centres[wrist] - top
     start = np.array([shoulder[0], shoulder[1], top[2]])
+    elbow = centres[(wrist + len(centres) - 1) // 2]
     return _Arm(
-        length=float(np.linalg.norm(centres[wrist] - start)),
+        length=float(np.linalg.norm(centres[wrist] - elbow) + np.linalg.norm(elbow - start)),
         wrist=float(girths[wrist]),
         upper_arm=float(near_shoulder.max()),
         angle=float(np.arctan2(-along[1], along[0])),
@@ -322,7 +357,7 @@ def _arm(body: _Body, crotch: float, armpit_x: float, hip_edge: float, shoulder:
     )
 
 
-def _limb_girth(body: _Body, centres: Float, k: int) -> float:
+def _limb_girth(body: MeasuredBody, centres: Float, k: int) -> float:
     """Girth across a limb at its centre line's point k [m]; infinite where the cut takes in the trunk."""
     low, high = max(k - 2, 0), min(k + 2, len(centres) - 1)
     normal = centres[high] - centres[low]
@@ -334,7 +369,7 @@ def _limb_girth(body: _Body, centres: Float, k: int) -> float:
     return nearest.girth if nearest.girth < 0.35 * body.height else float("inf")
 
 
-def _surface_distance(body: _Body, source: int) -> Float:
+def _surface_distance(body: MeasuredBody, source: int) -> Float:
     """Distance from one vertex along the edges of the mesh [m], shape (v,)."""
     a, b = body.faces.ravel(), body.faces[:, [1, 2, 0]].ravel()
     lengths = np.linalg.norm(body.vertices[a] - body.vertices[b], axis=1)
@@ -344,7 +379,7 @@ def _surface_distance(body: _Body, source: int) -> Float:
 
 
 def _torso_depth(
-    body: _Body, crotch: float, armpit: float, shoulder_x: float, shoulder_y: float
+    body: MeasuredBody, crotch: float, armpit: float, shoulder_x: float, shoulder_y: float
 ) -> tuple[float, float]:
     """Smallest and largest z of the trunk between crotch and shoulder [m]."""
     lows, highs = [], []

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Measurements:
-    """Lengths [m], heights above the floor [m], angles [rad] of a standing body, Y up, facing +Z.
+    """Lengths [m], heights above the floor [m], angles [rad] of a standing body.
+
+    Points are in the body's own frame: Y up, the floor at y = 0, the trunk above x = z = 0, facing +Z.
 
     Attributes
     ----------

@@ -66,6 +66,7 @@ def _read(path: Path) -> Avatar | None:
             vertices=stored["vertices"],
             faces=stored["faces"],
             notes=tuple(stored["notes"].tolist()),
+            placed=True,
         )
     except (InputError, KeyError):
         return None

@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.measure import add_measure
-from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser, body_length
+from toile.dressing.cli.parser import (
+    BAD_INPUT,
+    CANCELLED,
+    DONE,
+    FAILED,
+    READING,
+    Commands,
+    Parser,
+    add_reading,
+    body_length,
+    reading_of,
+)
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -88,6 +99,8 @@ def command_parser() -> argparse.ArgumentParser:
     patterns = commands.add_parser("patterns", help="list or write the built-in patterns")
     patterns.add_argument("--write", type=Path, metavar="DIR", help="write NAME_specification.json files")
     patterns.add_argument("--avatar", type=Path, metavar="BODY", help="body to draft the patterns to")
+    add_reading(patterns)
+    _add_measurements(patterns)
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
@@ -111,18 +124,11 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "--avatar",
         type=Path,
         metavar="BODY",
-        help="body: .obj .ply .stl .glb .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, an "
-        "animated .glb or .gltf, or a folder with a mesh per frame (default: built-in mannequin)",
+        help="body: .obj .ply .stl .glb .vrm .usd .vtu .vtk .xdmf .inp or .msh, or one that moves: an .npz, "
+        "an animated .glb, .gltf or .usd, or a folder with a mesh per frame (default: built-in mannequin)",
     )
-    dress.add_argument("--fps", type=float, metavar="N", help="frames per second of a moving BODY")
-    dress.add_argument(
-        "--time", type=float, metavar="S", help="dress a moving BODY as it stands at S seconds"
-    )
-    dress.add_argument(
-        "--clip", metavar="NAME", help="animation of a .glb or .gltf BODY (default: the first)"
-    )
-    dress.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
-    dress.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
+    add_reading(dress)
+    _add_measurements(dress)
     dress.add_argument(
         "--garment",
         action="append",
@@ -160,6 +166,15 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress.epilog = "A scene file offers these options and more; toile dress --scene-keys lists its keys."
     dress.add_argument("--scene-keys", action=_PrintSceneKeys, help="list the keys of a scene file and exit")
     dress.set_defaults(run=_run_dress)
+
+
+def _add_measurements(command: Parser) -> None:
+    """Add the option that gives measurements by hand."""
+    command.add_argument(
+        "--measurements", type=Path, metavar="FILE",
+        help="measurements of BODY instead of those toile takes, TOML or JSON: chest = 96 [cm] ..., named as "
+        "toile measure --json does",
+    )  # fmt: skip
 
 
 class _PrintSceneKeys(argparse.Action):
@@ -228,19 +243,13 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
+        for name in ("measurements", "fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
         if (value := getattr(options, name)) is not None
     }
-    reading = {
-        name: value
-        for name in ("units", "up", "fps", "time", "clip")
-        if (value := getattr(options, name)) is not None
-    }
+    reading = reading_of(options)
     if options.avatar is None and reading:
-        raise InputError(
-            "--units, --up, --fps, --time and --clip describe the file of --avatar, which is missing",
-            field="--avatar",
-        )
+        words = ", ".join(f"--{name}" for name in READING)
+        raise InputError(f"{words} describe the file of --avatar, which is missing", field="--avatar")
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, **reading)
     garments = tuple(Garment(source) for source in options.garment)
@@ -326,15 +335,15 @@ def _run_patterns(options: argparse.Namespace) -> int:
             raise InputError("--avatar drafts patterns to a body, which needs --write DIR", field="--write")
         print("\n".join(built_in_names()))
         return DONE
-    from toile.dressing.body.dress_form import DressForm
     from toile.dressing.files.writers.atomic import writable_folder
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
     from toile.dressing.run.scene import AvatarFile, MannequinSize
-    from toile.dressing.run.scene_avatar import load_scene_avatar
+    from toile.dressing.run.scene_avatar import load_dress_form
 
     folder = writable_folder(options.write)
-    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar)
-    form = DressForm(load_scene_avatar(source))
+    reading = reading_of(options)
+    source = MannequinSize() if options.avatar is None else AvatarFile(path=options.avatar, **reading)
+    _, form = load_dress_form(source, options.measurements or {})
     for name in built_in_names():
         path = folder / f"{name}_specification.json"
         write_garmentcode(built_in(name, form.measurements), path)

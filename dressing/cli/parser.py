@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import NoReturn
+from typing import Any, NoReturn
 
 DONE, MISSED, BAD_INPUT, FAILED, CANCELLED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -38,6 +38,42 @@ def body_length(text: str) -> float:
     if factor is None:
         factor = 1.0 if value <= LONGEST_IN_METRES else 0.01
     return value * factor
+
+
+READING = ("units", "up", "front", "only", "without", "fps", "time", "clip")
+"""Options that say how the file of a body is read, by the names of AvatarFile."""
+
+
+def add_reading(command: argparse.ArgumentParser) -> None:
+    """Add the options that say how the file of a body is read."""
+    command.add_argument("--units", metavar="UNIT", help="units of BODY: m, cm or mm (default: recognised)")
+    command.add_argument("--up", metavar="AXIS", help="up axis of BODY: y or z (default: recognised)")
+    command.add_argument(
+        "--front",
+        metavar="AXIS",
+        help="axis of its file that BODY faces: x, z ... or --front=-z (default: recognised)",
+    )
+    command.add_argument(
+        "--only",
+        action="append",
+        metavar="PART",
+        help="part (group, object) of BODY that is the body; repeat",
+    )
+    command.add_argument(
+        "--without", action="append", metavar="PART", help="part of BODY that is none; repeat for more"
+    )
+    command.add_argument("--fps", type=float, metavar="N", help="frames per second of a moving BODY")
+    command.add_argument(
+        "--time", type=float, metavar="S", help="take a moving BODY as it stands at S seconds"
+    )
+    command.add_argument(
+        "--clip", metavar="NAME", help="animation of a .glb or .gltf BODY (default: the first)"
+    )
+
+
+def reading_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of `add_reading` that were given."""
+    return {name: value for name in READING if (value := getattr(options, name)) is not None}
 
 
 def say_progress(line: str) -> None:

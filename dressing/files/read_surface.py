@@ -13,7 +13,7 @@ from toile.dressing.files.read_ply import read_ply
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
-GLTF = (".glb", ".gltf")
+GLTF = (".glb", ".gltf", ".vrm")
 FORMATS = (".obj", ".ply", ".stl", *GLTF, *MESHIO_FORMATS)
 """File extensions that are read."""
 

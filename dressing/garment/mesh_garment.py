@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.avatar_units import METRES_PER_UNIT, upright
+from toile.dressing.body.place import ROOM, Place
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
 from toile.dressing.files.read_surface import read_surface
@@ -35,6 +36,7 @@ def read_mesh_garment(
     units: str | None = None,
     up: str | None = None,
     avatar: Avatar | None = None,
+    place: Place = ROOM,
     edge_length: float | None = None,
 ) -> GarmentMesh:
     """Return the garment of a mesh file of one of FORMATS, or of arrays in an .npz file.
@@ -51,7 +53,9 @@ def read_mesh_garment(
         "m", "dm", "cm" or "mm", and "y" or "z"; None tries the avatar's own first and takes what puts the
         garment on it.
     avatar
-        The body the garment is made for; only used to recognise units and axes.
+        The body the garment is made for, in its own frame; only used to recognise units and axes.
+    place
+        Where that body stands in the room of the garment's file: the garment comes with it.
     edge_length
         Edges much longer than this [m] are split; None keeps the file's triangles.
 
@@ -71,7 +75,8 @@ def read_mesh_garment(
             raise InputError(f"{path}: garment file not found; check the path", file=path)
         from toile.dressing.garment.npz_garment import read_npz_garment
 
-        return read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
+        garment = read_npz_garment(path, name=name or path.stem, edge_length=edge_length)
+        return moved_in(garment, place)
     surface, notes = read_surface(path, "the garment")
     if not len(surface.faces):
         raise InputError(f"{path}: the mesh has no faces; export the garment as a surface mesh", file=path)
@@ -80,11 +85,18 @@ def read_mesh_garment(
         raise InputError(
             f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh", file=path
         )
-    metres = _in_metres(path, surface.positions, units, up, avatar)
+    metres = _in_metres(path, surface.positions, units, up, avatar, place)
     surface = checked_surface(path, replace(surface, positions=metres))
     with about(file=path):
         garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
     return replace(garment, notes=notes)
+
+
+def moved_in(garment: GarmentMesh, place: Place) -> GarmentMesh:
+    """Return a garment that is in the room of its file in the frame of the body that stands there."""
+    if place.is_own:
+        return garment
+    return replace(garment, positions=place.inward(garment.positions), motion=place.moved_in(garment.motion))
 
 
 def garment_from_surface(surface: Surface, *, name: str, edge_length: float | None = None) -> GarmentMesh:
@@ -190,9 +202,9 @@ def _same_node_pairs(node: Int) -> Int:
 
 
 def _in_metres(
-    path: Path, positions: Float, units: str | None, up: str | None, avatar: Avatar | None
+    path: Path, positions: Float, units: str | None, up: str | None, avatar: Avatar | None, place: Place
 ) -> Float:
-    """Positions [m], Y up, in the first unit and axis that put the garment on the avatar."""
+    """Positions [m], in the body's frame, in the first unit and axis that put the garment on the avatar."""
     if units is not None and units not in METRES_PER_UNIT:
         raise InputError(
             f"{path}: unknown unit '{units}'; give one of {', '.join(METRES_PER_UNIT)}",
@@ -204,7 +216,7 @@ def _in_metres(
     own = (avatar.metres_per_unit, avatar.up_axis) if avatar else (1.0, "y")
     every = [own, *((scale, axis) for axis in ("y", "z") for scale in METRES_PER_UNIT.values())]
     placed = [
-        upright(positions, axis) * scale
+        place.inward(upright(positions, axis) * scale)
         for scale, axis in every
         if (units is None or scale == METRES_PER_UNIT[units]) and (up is None or axis == up)
     ]

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.place import Place
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
@@ -33,9 +34,27 @@ FRAME_FILE = re.compile(r".+\.\d{4,}\.ply")
 
 @dataclass(frozen=True, kw_only=True)
 class Hung:
-    """A scene whose garments hang: its avatar at the first frame, how the drape ended, garments, report."""
+    """A scene whose garments hang.
+
+    Attributes
+    ----------
+    avatar
+        The avatar at the first frame, in the room of its file.
+    body
+        The same in its own frame, with its motion.
+    place
+        Where that frame is in the room.
+    drape
+        How the drape ended, in the body's frame.
+    garments
+        As they hang, in the room.
+    report
+        Its figures.
+    """
 
     avatar: Avatar
+    body: Avatar
+    place: Place
     drape: DrapeOutcome
     garments: tuple[DressedGarment, ...]
     report: dict[str, Any]
@@ -124,4 +143,7 @@ def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:
         replace(garment, source=garment.source.absolute()) if isinstance(garment.source, Path) else garment
         for garment in scene.garments
     )
-    return replace(scene, avatar=avatar, garments=garments)
+    measurements = scene.measurements
+    if isinstance(measurements, Path):
+        measurements = measurements.absolute()
+    return replace(scene, avatar=avatar, measurements=measurements, garments=garments)

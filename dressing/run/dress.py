@@ -93,9 +93,9 @@ def _to_the_end(
         status=hung.drape.status, report=hung.report, avatar=hung.avatar, garments=hung.garments,
         failure=hung.drape.failure,
     )  # fmt: skip
-    if scene.air is not None and hung.avatar.motion is None:
+    if scene.air is not None and hung.body.motion is None:
         listener.say("air acts only on garments that follow a moving body; this body stands still")
-    if hung.avatar.motion is not None and result.status in FOLLOWS:
+    if hung.body.motion is not None and result.status in FOLLOWS:
         result = _followed(scene, hung, checkpoint, listener, state)
     else:
         listener.record(0, result.garments)
@@ -117,13 +117,13 @@ def _followed(
     """Return the result of hung garments that follow their avatar, with the film of it written."""
     from toile.dressing.run.follow import follow, write_film
 
-    assert hung.avatar.motion is not None
+    assert hung.body.motion is not None
     wall, cpu = time.perf_counter(), time.process_time()
     if checkpoint is not None and state is None:
         checkpoint.hung(hung)
     followed = follow(scene, hung, checkpoint, listener, state)
     if checkpoint is not None:
-        fps, count = hung.avatar.motion.fps, followed.figures["frames"] + 1
+        fps, count = hung.body.motion.fps, followed.figures["frames"] + 1
         if write_film(checkpoint.output, followed.garments, fps, count) is None:
             listener.say(
                 "no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/"

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
@@ -15,7 +17,7 @@ from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
-from toile.dressing.wear.drape_types import DrapeOutcome, Failure, FrameState
+from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.put_on import taken_apart
 from toile.engine.cloth.cloth import Cloth
@@ -95,7 +97,7 @@ def follow(
     state
         State to resume from, instead of starting at the beginning.
     """
-    motion = hung.avatar.motion
+    motion = hung.body.motion
     assert motion is not None
     started = time.perf_counter()
     last = len(motion.frames) - 1
@@ -114,9 +116,9 @@ def follow(
             )
         )  # fmt: skip
 
-    body = (hung.avatar.vertices, hung.avatar.faces)
+    body = (hung.body.vertices, hung.body.faces)
     film = Simulation(
-        hung.drape.cloth, body, _plan(scene, hung.drape, motion.fps), on_film_frame, motion, StageClock(),
+        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, StageClock(),
         hung.drape.pin_motion,
     )  # fmt: skip
     done = 0
@@ -155,30 +157,33 @@ class _Shown:
         self.crossing = ""
         self.tightest = (0.0, 0, "")
         self._avatar = hung.avatar
+        self._place = hung.place
         self._frames = frames
 
     def take(self, frame: FilmFrame) -> None:
         """Take a frame."""
         assert frame.avatar is not None
-        self.skin, self.garments = frame.avatar, self._as_of(frame.cloth)
+        self.skin, self.garments = self._place.outward(frame.avatar), self._as_of(frame.cloth)
         if self._frames is not None:
             self._write(self._frames, frame.index)
         if frame.stretch_max > max(self.tightest[0], TIGHT):
             self.tightest = (frame.stretch_max, frame.index, _tightest_place(self.garments))
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
-            place = place_of(frame.cloth, frame.crossings, self.garments)
-            self.crossing = f"frame {frame.index}; {place}"
+            where = place_of(frame.cloth, frame.crossings, self.garments, self._place)
+            self.crossing = f"frame {frame.index}; {where}"
 
     def go_on_from(self, state: FilmState) -> None:
         """Take the last frame of a run that was stopped, perhaps between that and its end."""
         self.garments = self._as_of(state.cloth)
         if state.avatar is not None:
-            self.skin = state.avatar
+            self.skin = self._place.outward(state.avatar)
 
     def _as_of(self, cloth: Cloth) -> tuple[DressedGarment, ...]:
         """Return the garments in the shape of a cloth."""
         parts = taken_apart(cloth, len(self.garments))
-        return tuple(garment.now(part) for garment, part in zip(self.garments, parts, strict=True))
+        return tuple(
+            garment.now(part, self._place) for garment, part in zip(self.garments, parts, strict=True)
+        )
 
     def _write(self, frames: Path, index: int) -> None:
         """Write a PLY of every garment and of the body."""
@@ -211,10 +216,13 @@ def _tight_sentence(made: FilmRecord, shown: _Shown) -> str:
     )
 
 
-def _plan(scene: ResolvedScene, drape: DrapeOutcome, fps: float) -> FilmPlan:
-    """Return how the motion is computed."""
+def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
+    """Return how the motion is computed; air blows in the room."""
+    air = scene.air
+    if air is not None:
+        air = replace(air, velocity=tuple(hung.place.turned_in(np.array(air.velocity)).tolist()))
     return FilmPlan(
-        integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(drape.step, air=scene.air),
+        integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
     )  # fmt: skip

@@ -1,12 +1,17 @@
 """Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
@@ -22,9 +27,14 @@ from toile.dressing.run.load_garment import load_garment, pinned_vertices
 from toile.dressing.run.report import RunSeconds, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
-from toile.dressing.run.scene_avatar import load_scene_avatar
+from toile.dressing.run.scene import MannequinSize
+from toile.dressing.run.scene_avatar import load_dress_form
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
+
+HANGING = np.radians(65.0)
+"""Arms that are lower than this leave sleeves little room [rad]."""
 
 
 @dataclass(frozen=True)
@@ -45,19 +55,20 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     at fault, or a garment cannot be put on its avatar.
     """
     wall, cpu = time.perf_counter(), time.process_time()
-    avatar = load_scene_avatar(scene.avatar)
-    for note in avatar.notes:
+    avatar, form = load_dress_form(scene.avatar, scene.measurements)
+    for note in (*avatar.notes, *form.notes):
+        listener.say(f"{avatar.name}: {note}")
+    for note in _doubts(scene, form):
         listener.say(f"{avatar.name}: {note}")
     compile_seconds = load_scene_kernels(scene, checkpoint is not None, listener)
     _say_jump(avatar, listener)
-    form = DressForm(avatar)
     reading_seconds = time.perf_counter() - wall - compile_seconds
     sewing = _sew(scene, form, checkpoint, listener)
     outcome = sewing.outcome
     for note in outcome.notes:
         listener.say(note)
     garments = tuple(
-        _dressed(mesh, fabric, draped)
+        _dressed(mesh, fabric, draped, form.place)
         for (mesh, fabric), draped in zip(sewing.cloth, outcome.garments, strict=False)
     )
     report = drape_report(
@@ -77,7 +88,30 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
             compile=compile_seconds,
         ),
     )
-    return Hung(avatar=avatar, drape=outcome, garments=garments, report=report)
+    return Hung(
+        avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
+        garments=garments, report=report,
+    )  # fmt: skip
+
+
+def _doubts(scene: ResolvedScene, form: DressForm) -> Iterator[str]:
+    """Say at once what may stand in the way of sewing: a pose in which sleeves find no room."""
+    sewn = any(
+        isinstance(garment.source, str)
+        or (isinstance(garment.source, Path) and garment.source.suffix.lower() == ".json")
+        for garment in scene.garments
+    )
+    if not sewn or isinstance(scene.avatar, MannequinSize):
+        return
+    found = form.measured
+    if isinstance(found, InputError):
+        yield f"{found}; panels that need the pose may not find their place"
+    elif found.arm_angle > HANGING:
+        begins = " in its first frame; begin the clip" if form.avatar.motion is not None else "; pose it"
+        yield (
+            f"its arms hang, {np.degrees(found.arm_angle):.0f} degrees below the horizontal{begins} with "
+            "them apart (45 degrees) if seams of sleeves jam"
+        )
 
 
 def _say_jump(avatar: Avatar, listener: Listener) -> None:
@@ -153,18 +187,18 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
     )
 
 
-def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> DressedGarment:
-    """Return a draped garment with its name and panels."""
+def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment, place: Place) -> DressedGarment:
+    """Return a draped garment in the room, with its name and panels."""
     return DressedGarment(
         name=mesh.name,
         fabric=fabric,
-        positions=draped.positions,
+        positions=place.outward(draped.positions),
         faces=draped.faces,
         uv=draped.uv,
         uv_faces=draped.faces_material,
         panel=draped.panel,
         panel_names=mesh.panel_names,
-        velocities=draped.velocities,
+        velocities=None if draped.velocities is None else place.turned_out(draped.velocities),
         origin=draped.origin,
         strain=draped.strain,
     )
@@ -178,6 +212,7 @@ def _avatar_facts(avatar: Avatar) -> dict[str, Any]:
         "faces": len(avatar.faces),
         "metres_per_unit": avatar.metres_per_unit,
         "up_axis": avatar.up_axis,
+        "front_degrees": avatar.front,
         "notes": list(avatar.notes),
     }
 

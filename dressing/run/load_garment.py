@@ -12,6 +12,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.garment.mesh_garment import moved_in
 from toile.dressing.garment.readers import read_garment
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.sewing_edges import SewingEdges
@@ -21,6 +22,8 @@ from toile.geometry.errors import InputError, about
 
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
+SAME_OVERLAP = 0.85
+"""A pattern that covers this share of what it covers elsewhere is where its file means it to be."""
 LARGEST_PANEL_DISTANCE = 1.5
 """The same for a single panel [m]: wide skirts start with panels 0.6 m away."""
 
@@ -85,20 +88,44 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     source = garment.source
     if isinstance(source, GarmentMesh):
         _check_pattern_coordinates(source)
-        return source
+        return moved_in(source, form.place)
     if isinstance(source, Path) and source.suffix.lower() in MESH_FORMATS:
         from toile.dressing.garment.mesh_garment import read_mesh_garment
 
         return read_mesh_garment(
-            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edges.length
-        )
+            source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
+            edge_length=edges.length,
+        )  # fmt: skip
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
     found = read_garment(source) if isinstance(source, Path) else built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
-        return found
-    return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+        return moved_in(found, form.place)
+    mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+    return _around(mesh, form) if isinstance(source, Path) else mesh
+
+
+def _around(mesh: GarmentMesh, form: DressForm) -> GarmentMesh:
+    """Return a pattern's mesh around the body: where its file has it, or in the body's own frame.
+
+    Patterns are made for a body that faces +Z above the origin; some for one in the place of the file.
+    """
+    place = form.place
+    if place.is_own:
+        return mesh
+    room = moved_in(mesh, place)
+    if not place.turn and _overlap(room, form.avatar) >= SAME_OVERLAP * _overlap(mesh, form.avatar):
+        return room
+    note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
+    return replace(mesh, notes=(*mesh.notes, note))
+
+
+def _overlap(mesh: GarmentMesh, avatar: Avatar) -> float:
+    """Volume in which the boxes of a garment and of the avatar overlap [m3]."""
+    low = np.maximum(mesh.positions.min(axis=0), avatar.vertices.min(axis=0))
+    high = np.minimum(mesh.positions.max(axis=0), avatar.vertices.max(axis=0))
+    return float(np.maximum(high - low, 0.0).prod())
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:

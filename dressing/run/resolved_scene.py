@@ -1,9 +1,12 @@
 """A scene with every choice made: presets looked up, names found, defaults filled in."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.given_measurements import NAMES, Given
+from toile.dressing.body.measurements import Measurements
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
@@ -56,6 +59,8 @@ class ResolvedScene:
         From the body outwards.
     avatar
         The body, or where it comes from.
+    measurements
+        Those of the body that are given, in metres and radians, or the file that holds them.
     quality
         Name of the quality.
     tolerance
@@ -82,6 +87,7 @@ class ResolvedScene:
 
     garments: tuple[ResolvedGarment, ...]
     avatar: AvatarSource
+    measurements: Given | Path
     quality: str
     tolerance: float
     max_frames: int
@@ -117,6 +123,7 @@ def resolve(scene: Scene) -> ResolvedScene:
             )
         ),
         avatar=_avatar_source(scene.avatar),
+        measurements=_given(scene.measurements),
         quality=quality.name,
         tolerance=quality.tolerance,
         max_frames=scene.max_frames or quality.max_frames,
@@ -168,6 +175,25 @@ def _avatar_source(avatar: object) -> AvatarSource:
             f"avatar must be an Avatar, a file or a mannequin size, got {avatar!r}", field="avatar"
         )
     return avatar
+
+
+def _given(measurements: object) -> Given | Path:
+    """Return the measurements of a scene, or the file that holds them."""
+    if measurements is None:
+        return {}
+    if isinstance(measurements, str | Path):
+        return Path(measurements)
+    if isinstance(measurements, Measurements):
+        return asdict(measurements)
+    if not isinstance(measurements, Mapping):
+        raise InputError(
+            f"measurements must be Measurements, some of them by name, or a file, got {measurements!r}",
+            field="measurements",
+        )
+    for name in measurements:
+        if name not in NAMES:
+            raise InputError(unknown_name("measurement", str(name), NAMES), field="measurements")
+    return dict(measurements)
 
 
 def _sizing(remesh: bool | SizingOptions, quality: Quality, edge_length: float) -> SizingOptions | None:

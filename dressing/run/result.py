@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.place import Place
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.field_mesh import FieldMesh, checked_formats, write_field_mesh
@@ -37,7 +38,7 @@ class DressedGarment:
     fabric
         What it is made of.
     positions
-        Nodes [m], Y up, shape (n, 3); sewn seams are one node.
+        Nodes [m], Y up, where the avatar's file has the body, shape (n, 3); sewn seams are one node.
     faces
         Triangles into positions, shape (t, 3).
     uv
@@ -68,12 +69,12 @@ class DressedGarment:
     origin: "Origin | None" = None
     strain: Float | None = None
 
-    def now(self, part: DrapedGarment) -> "DressedGarment":
-        """Return the garment in another shape."""
+    def now(self, part: DrapedGarment, place: Place) -> "DressedGarment":
+        """Return the garment in another shape, which is in the frame of a body in that place."""
         return replace(
-            self, positions=part.positions, faces=part.faces, uv=part.uv, uv_faces=part.faces_material,
-            panel=part.panel, velocities=part.velocities, origin=part.origin,
-            strain=part.strain,
+            self, positions=place.outward(part.positions), faces=part.faces, uv=part.uv,
+            uv_faces=part.faces_material, panel=part.panel, origin=part.origin, strain=part.strain,
+            velocities=None if part.velocities is None else place.turned_out(part.velocities),
         )  # fmt: skip
 
 
@@ -138,13 +139,14 @@ def save_report(folder: Path, report: dict[str, Any]) -> Path:
 
 
 def dressed_png(avatar: Avatar, garments: tuple[DressedGarment, ...]) -> bytes:
-    """Return a PNG of the body in its garments."""
+    """Return a PNG of the body in its garments, from its front."""
     from toile.dressing.pictures.preview import PreviewMesh, render
 
-    meshes = [PreviewMesh(positions=avatar.vertices, faces=avatar.faces, colour=BODY)]
+    place = Place.of(avatar)
+    meshes = [PreviewMesh(positions=place.inward(avatar.vertices), faces=avatar.faces, colour=BODY)]
     meshes += [
         PreviewMesh(
-            positions=garment.positions,
+            positions=place.inward(garment.positions),
             faces=garment.faces,
             colour=garment_colour(index),
             double_sided=True,

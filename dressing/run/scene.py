@@ -4,8 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -18,7 +21,7 @@ from toile.remesh.sizing.sizing import SizingOptions
 
 @dataclass(frozen=True, kw_only=True)
 class AvatarFile:
-    """A body still on disk, or one that moves: an .npz, an animated .glb or .gltf, or a folder of meshes.
+    """A body still on disk, or one that moves: an .npz, an animated .glb or .usd, or a folder of meshes.
 
     Attributes
     ----------
@@ -26,6 +29,10 @@ class AvatarFile:
         The file or folder.
     units, up
         "m", "cm" or "mm", and "y" or "z"; recognised where None.
+    front
+        Axis of the file that the body faces, such as "-z"; recognised where None.
+    only, without
+        Names of the parts that are the body, and of those that are not, with wildcards.
     fps
         Frames per second; None takes the file's own or 24.
     time
@@ -37,13 +44,28 @@ class AvatarFile:
     path: Path
     units: str | None = None
     up: str | None = None
+    front: str | None = None
+    only: Sequence[str] = ()
+    without: Sequence[str] = ()
     fps: float | None = None
     time: float | None = None
     clip: str | None = None
 
     def __post_init__(self) -> None:
-        """Accept a path that is a string."""
+        """Accept a path that is a string, and one name for a list of names."""
         object.__setattr__(self, "path", Path(self.path))
+        for field_name in ("only", "without"):
+            names: object = getattr(self, field_name)
+            object.__setattr__(
+                self, field_name, (names,) if isinstance(names, str) else tuple(getattr(self, field_name))
+            )
+
+    @property
+    def reading(self) -> Reading:
+        """What is known of the file."""
+        return Reading(
+            units=self.units, up=self.up, front=self.front, only=tuple(self.only), without=tuple(self.without)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +133,10 @@ class Scene:
         Garments from the body outwards; a name or path stands for a Garment with defaults.
     avatar
         The body: an Avatar, a file, or a mannequin size; None is the built-in mannequin.
+    measurements
+        Measurements of the body that are used instead of those toile takes [m, rad]: a Measurements, some of
+        its fields by name, or a TOML or JSON file of them [cm, degrees]. A body that cannot be measured (it
+        sits, or holds its arms at its sides) has the mannequin's proportions in what is not given.
     fabric
         Preset name or Fabric of garments that name none; None is cotton-poplin.
     fabrics
@@ -141,6 +167,7 @@ class Scene:
 
     garments: Sequence[Garment]
     avatar: AvatarSource | str | Path | None = None
+    measurements: Measurements | Mapping[str, Any] | str | Path | None = None
     fabric: str | Fabric | None = None
     fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     quality: str = "standard"
@@ -168,6 +195,8 @@ class Scene:
         avatar: object = self.avatar
         if isinstance(avatar, str | Path):
             object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
+        if isinstance(self.measurements, str):
+            object.__setattr__(self, "measurements", Path(self.measurements))
         if not self.garments:
             raise InputError(
                 "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt",

@@ -1,7 +1,11 @@
 """Loading of a scene's avatar."""
 
+from pathlib import Path
+
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import Avatar, load_avatar
+from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.given_measurements import Given, read_measurements
 from toile.dressing.run.scene import AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 
@@ -23,14 +27,22 @@ def load_scene_avatar(source: AvatarSource) -> Avatar:
         return mannequin(**sizes)
 
 
+def load_dress_form(source: AvatarSource, measurements: Given | Path) -> tuple[Avatar, DressForm]:
+    """Return the avatar in its room, and on its form with given measurements, or those of a file."""
+    avatar = load_scene_avatar(source)
+    if isinstance(measurements, Path):
+        measurements = read_measurements(measurements)
+    return avatar, DressForm(avatar, measurements)
+
+
 def _read(file: AvatarFile) -> Avatar:
     """Return the avatar of a file or folder, with its motion if it has one and no time is given."""
     if is_animated(file.path):
         if file.time is not None:
             return load_posed_avatar(
-                file.path, time=file.time, units=file.units, up=file.up, fps=file.fps, clip=file.clip
+                file.path, time=file.time, reading=file.reading, fps=file.fps, clip=file.clip
             )
-        return load_animated_avatar(file.path, units=file.units, up=file.up, fps=file.fps, clip=file.clip)
+        return load_animated_avatar(file.path, reading=file.reading, fps=file.fps, clip=file.clip)
     for field in ("fps", "time", "clip"):
         if getattr(file, field) is not None:
             raise InputError(
@@ -39,4 +51,6 @@ def _read(file: AvatarFile) -> Avatar:
                 file=file.path,
                 field=field,
             )
-    return load_avatar(file.path, units=file.units, up=file.up)
+    return load_avatar(
+        file.path, units=file.units, up=file.up, front=file.front, only=file.only, without=file.without
+    )

@@ -33,6 +33,7 @@ from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
@@ -83,13 +84,21 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "avatar": {
         "file": (
             str,
-            "OBJ, PLY, STL, GLB, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb, folder",
+            "OBJ, PLY, STL, GLB, VRM, USD, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb "
+            "or .usd, folder",
         ),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
         "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
+        "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
+        "only": (list, "names of the parts that are the body, with wildcards"),
+        "without": (list, "names of parts that are not (hair, lashes, helpers, floors: recognised)"),
+        "measurements": (
+            (str, dict),
+            "file of measurements, or table of them [cm, degrees], used instead of those toile takes",
+        ),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
         "waist": (NUMBER, "its waist circumference [m]"),
@@ -118,7 +127,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Table name to key to (accepted types, meaning)."""
-FILE_KEYS = ("units", "up", "fps", "time", "clip")
+FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip")
 """Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
 
@@ -184,6 +193,7 @@ class _SceneReader:
         tables: dict[str, Any] = {
             "friction_between": self._friction_between(data.get("friction_between", [])),
             "avatar": self._avatar(data.get("avatar", {})),
+            "measurements": self._measurements(data.get("avatar", {}).get("measurements")),
             "remesh": self._remesh(data.get("remesh", True), data),
             "air": self._air(data["air"]) if "air" in data else None,
         }
@@ -280,9 +290,25 @@ class _SceneReader:
         if sizes:
             key = next(iter(sizes))
             raise self._error(("avatar", key), f"{key} sizes the built-in mannequin; remove it or file")
+        for choice in ("only", "without"):
+            if not all(isinstance(name, str) for name in values.get(choice, ())):
+                raise self._error(
+                    ("avatar", choice), f"{choice} lists names of parts, got {values[choice]!r}"
+                )
         return AvatarFile(
             path=self._resolve(values["file"]), **{key: values[key] for key in FILE_KEYS if key in values}
         )
+
+    def _measurements(self, values: str | dict[str, Any] | None) -> Path | Mapping[str, Any] | None:
+        """Return the measurements of the [avatar] table, or their file."""
+        if isinstance(values, str):
+            return self._resolve(values)
+        if values is None:
+            return None
+        try:
+            return measurements_of(values)
+        except InputError as error:
+            raise self._at(("avatar", *(error.field or "").split(".")), error) from None
 
     def _garment(self, values: Any, place: tuple[str | int, ...], own: Mapping[str, Fabric]) -> Garment:
         """Return the garment of one [[garment]] table."""

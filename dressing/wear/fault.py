@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from toile.collide.audit import Crossings
+from toile.dressing.body.place import ROOM, Place
 from toile.engine.cloth.cloth import Cloth
 from toile.geometry.arrays import Int
 
@@ -35,10 +36,11 @@ def faces_at_fault(cloth: Cloth, crossings: Crossings) -> tuple[Int, ...]:
     return tuple(np.unique(numbers[(owner == index) & (numbers >= 0)]) for index in range(count))
 
 
-def place_of(cloth: Cloth, crossings: Crossings, garments: Sequence[Panelled]) -> str:
+def place_of(cloth: Cloth, crossings: Crossings, garments: Sequence[Panelled], place: Place = ROOM) -> str:
     """Say in words where cloth crosses: the panels of every garment, faces of its file if known, coordinates.
 
-    Coordinates are in metres, Y up, of the middle of the crossing faces.
+    Coordinates are those of the middle of the crossing faces [m], Y up, in the room where the body stands in
+    that place.
     """
     bad = _crossing_faces(crossings)
     numbers = faces_at_fault(cloth, crossings) or (np.empty(0, np.int32),) * len(garments)
@@ -53,7 +55,7 @@ def place_of(cloth: Cloth, crossings: Crossings, garments: Sequence[Panelled]) -
             more = f" and {len(faces) - NAMED} more" if len(faces) > NAMED else ""
             words += f", faces {', '.join(map(str, faces[:NAMED].tolist()))}{more} of its file"
         said.append(words)
-    x, y, z = cloth.positions[cloth.face_nodes[bad]].mean(axis=(0, 1))
+    x, y, z = place.outward(cloth.positions[cloth.face_nodes[bad]].mean(axis=(0, 1)))
     return "; ".join([*said, f"near ({x:.2f}, {y:.2f}, {z:.2f}) m"])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from toile.collide.shrunken import shrunken
 from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
 from toile.dressing.wear.assemble_cloth import assemble_cloth, pin_motion
@@ -91,7 +92,7 @@ def drape(
     else:
         run.close_frame(0)
     notes = tuple(note for part in parts for note in part.notes)
-    outcome = _outcome(run, worn, failure, notes)
+    outcome = _outcome(run, worn, failure, notes, form.place)
     return replace(
         outcome, gave_up=parts[-1].gave_up,
         figures=in_all([part.figures for part in parts], outcome.figures),
@@ -149,7 +150,7 @@ def _put_on(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
     run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
-    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes))
+    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes), form.place)
 
 
 def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
@@ -195,11 +196,12 @@ def _outcome(
     garments: list[tuple[GarmentMesh, Fabric]],
     failure: Failure | None,
     notes: tuple[str, ...],
+    place: Place,
 ) -> DrapeOutcome:
     """Read the outcome off a finished drape; `failure` is what broke it down, if anything did."""
     record, meshes = run.record, [mesh for mesh, _ in garments]
     if failure is None and not record.cancelled:
-        failure = _shortcoming(run, meshes)
+        failure = _shortcoming(run, meshes, place)
     status: Status = "frame_limit"
     if record.cancelled:
         status = "cancelled"
@@ -214,17 +216,17 @@ def _outcome(
     )  # fmt: skip
 
 
-def _shortcoming(run: Drape, meshes: list[GarmentMesh]) -> Failure | None:
+def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure | None:
     """Return what a drape that went to its end has not achieved, None if it is fine."""
     record, cloth = run.record, run.cloth
     last = record.crossings[-1]
     if sum(last):
         found = run.audit()
-        place = place_of(cloth, found, meshes)
+        where = place_of(cloth, found, meshes, place)
         return Failure(
             kind="tangled",
             message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
-            where=f"frame {len(record.crossings) - 1}; {place}",
+            where=f"frame {len(record.crossings) - 1}; {where}",
             faces=faces_at_fault(cloth, found),
         )
     gaps = run.gaps()

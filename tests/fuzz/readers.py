@@ -18,6 +18,7 @@ from tests.dressing.files.gltf_writer import Glb
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import load_avatar
+from toile.dressing.body.reading import Reading
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.dressing.pattern.garmentcode import read_garmentcode
 from toile.dressing.run.resolved_scene import resolve
@@ -209,8 +210,8 @@ def moving_body(path: Path) -> object:
     """Read a body in motion where there is one, and at a time."""
     if not is_animated(path):
         return None
-    load_posed_avatar(path, time=0.1, units="m", up="y")
-    return load_animated_avatar(path, units="m", up="y")
+    load_posed_avatar(path, time=0.1, reading=Reading(units="m", up="y"))
+    return load_animated_avatar(path, reading=Reading(units="m", up="y"))
 
 
 BODY: Read = load_avatar

@@ -1,16 +1,17 @@
 """Reads the motion of a glTF file: what an animation does to the vertices, at regular times."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.gltf.gltf_clip import STAND_STILL, Clip, read_clip
 from toile.dressing.files.gltf.gltf_file import GltfFile, checked_shape
 from toile.dressing.files.gltf.gltf_pieces import gltf_pieces
 from toile.dressing.files.gltf.gltf_scene import GltfScene
-from toile.geometry.arrays import Float, Int
+from toile.dressing.files.gltf.still_gltf import surface_of_pieces
+from toile.geometry.arrays import Float
 
 STILL = 1e-6
 """Motion below this share of the size of the body is none: positions are single precision."""
@@ -19,10 +20,10 @@ MOST_FRAMES = 100_000
 
 @dataclass(frozen=True, kw_only=True)
 class SampledGltf:
-    """Vertices over time in file units, shape (k, v, 3), faces, shape (f, 3), and a note on what was read."""
+    """Vertices over time in file units, shape (k, v, 3), their first surface, and a note on the clip."""
 
-    frames: npt.NDArray[np.float32]
-    faces: Int
+    frames: Float
+    surface: Surface
     note: str
 
 
@@ -36,16 +37,22 @@ def read_animated_gltf(path: Path, fps: float, clip: str | None = None) -> Sampl
         file = GltfFile(path)
         animation = read_clip(file, clip)
         times = _times(file, animation, fps)
-        pieces = gltf_pieces(GltfScene(file, times, animation.channels), np.float32)
-        starts = np.cumsum([0, *(piece.frames.shape[1] for piece in pieces)])
-        faces = np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)])
-        used, corners = np.unique(faces, return_inverse=True)
-        frames = np.concatenate([piece.frames for piece in pieces], axis=1)[:, used].astype(np.float32)
+        # Double precision: far from the origin, single would move vertices by more than cloth can tell.
+        pieces = [
+            piece
+            for piece in gltf_pieces(GltfScene(file, times, animation.channels), np.float64)
+            if len(piece.faces)
+        ]
+        surface = surface_of_pieces(pieces)
+        used, corners = np.unique(surface.faces, return_inverse=True)
+        frames = np.concatenate([piece.frames for piece in pieces], axis=1)[:, used].astype(np.float64)
         size = np.ptp(frames[0], axis=0).max()
         if not max(np.abs(frame - frames[0]).max() for frame in frames[1:]) > STILL * size:
             raise file.error(f"{animation.title} moves no vertex", STAND_STILL)
         note = animation.note(f"of {times[-1] - times[0]:.3g} s was read")
-        return SampledGltf(frames=frames, faces=corners.reshape(-1, 3).astype(np.int32), note=note)
+        faces = corners.reshape(-1, 3).astype(np.int32)
+        surface = replace(surface, positions=frames[0].copy(), faces=faces, uv_faces=np.full_like(faces, -1))
+        return SampledGltf(frames=frames, surface=surface, note=note)
 
 
 def _times(file: GltfFile, clip: Clip, fps: float) -> Float:

@@ -45,11 +45,11 @@ def read_still_gltf(path: Path, *, time: float | None = None, clip: str | None =
             file, np.array([0.0 if time is None else time]), {} if animation is None else animation.channels
         )
         pieces = [piece for piece in gltf_pieces(scene, np.float64) if len(piece.faces)]
-        return MeshFile(_surface(pieces), notes)
+        return MeshFile(surface_of_pieces(pieces), notes)
 
 
-def _surface(pieces: list[GltfPiece]) -> Surface:
-    """Return the pieces as one surface."""
+def surface_of_pieces(pieces: list[GltfPiece]) -> Surface:
+    """Return pieces in their first frame as one surface; objects and materials are its panels."""
     starts = np.cumsum([0, *(piece.frames.shape[1] for piece in pieces)])
     faces = np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)])
     faces = faces.astype(np.int32)

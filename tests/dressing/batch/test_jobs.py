@@ -205,3 +205,14 @@ def test_frames_of_a_folder_count(tmp_path: Path) -> None:
     assert len(before.inputs) == 2
     write(tmp_path / "2.ply", "2")
     assert Fingerprints().of(scene).digest != before.digest
+
+
+def test_table_says_how_bodies_are_read(tmp_path: Path) -> None:
+    (tmp_path / "jobs.csv").write_text(
+        "avatar,garment,front,only,without,measurements\nbody.obj,tshirt,-z,skin;face,,mine.toml\nbody.obj,trousers,,,hair*,\n"
+    )
+    first, second = (job.scene for job in JobsFile(tmp_path / "jobs.csv", {}))
+    assert isinstance(first.avatar, AvatarFile) and isinstance(second.avatar, AvatarFile)
+    assert first.avatar.front == "-z" and first.avatar.only == ("skin", "face")
+    assert second.avatar.without == ("hair*",) and second.measurements is None
+    assert first.measurements == tmp_path / "mine.toml"

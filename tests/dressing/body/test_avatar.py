@@ -115,7 +115,7 @@ def test_bad_files_are_named(tmp_path: Path) -> None:
     vertices, faces = capsule()
     cases: dict[str, str] = {}
     (tmp_path / "body.fbx").write_text("x")
-    cases["body.fbx"] = "unknown avatar format '.fbx'; export"
+    cases["body.fbx"] = "FBX is a closed format; open it in Blender and export .glb"
     cases["missing.obj"] = "not found"
     (tmp_path / "empty.obj").write_text("")
     cases["empty.obj"] = "empty.obj"
@@ -410,3 +410,13 @@ def test_a_real_body_in_centimetres_z_up_with_a_hole(data_dir: Path, tmp_path: P
 @pytest.mark.parametrize("name", ALL_BODIES)
 def test_every_real_body_loads(data_dir: Path, name: str) -> None:
     _assert_body(load_avatar(data_dir / "bodies" / name))
+
+
+def test_holes_that_touch_in_a_vertex_are_loops_of_their_own() -> None:
+    """A surface whose sides are split otherwise ended in a KeyError."""
+    for faces, loops in (
+        ([[0, 1, 2], [0, 3, 4]], [[0, 4, 3], [0, 2, 1]]),
+        ([[0, 1, 2], [0, 1, 3], [0, 1, 4], [1, 0, 5]], [[0, 4, 1, 5], [0, 3, 1], [0, 2, 1]]),
+    ):
+        found = boundary_loops(np.array(faces, np.int32))
+        assert sorted(map(np.ndarray.tolist, found)) == sorted(loops)

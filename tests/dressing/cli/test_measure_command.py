@@ -66,3 +66,27 @@ def test_bodies_that_cannot_be_measured_and_other_pictures(
 def test_a_sitting_body_is_refused(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["measure", str(data_dir / "bodies/anny_m_sit.ply")]) == 2
     assert "does not stand" in capsys.readouterr().err
+
+
+def test_body_is_read_as_told(body: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Front and parts are given alike to measure, patterns and dress."""
+    lines = body.read_text().replace("\nf ", "\ng skin\nf ", 1)
+    count = sum(line.startswith("v ") for line in lines.splitlines())
+    lines += "".join(f"v {x} {y} -0.4\n" for x, y in ((-0.3, 0.9), (0.3, 0.9), (0.0, 1.4)))
+    lines += f"v 0 1.2 -0.6\ng bag\nf {count + 1} {count + 2} {count + 3}\n"
+    for a, b in ((1, 2), (2, 3), (3, 1)):
+        lines += f"f {count + b} {count + a} {count + 4}\n"
+    path = tmp_path / "bag.obj"
+    path.write_text(lines)
+    assert main(["measure", str(path), "--without", "bag"]) == 0
+    without = capsys.readouterr().out
+    assert main(["measure", str(path), "--only", "skin", "--front=z", "--up", "y", "--units", "m"]) == 0
+    assert capsys.readouterr().out == without
+    for command in (["measure", str(path)], ["patterns", "--write", str(tmp_path), "--avatar", str(path)]):
+        assert main([*command, "--without", "hat"]) == 2
+        assert "bag.obj: has no part 'hat'; it has skin, bag" in capsys.readouterr().err
+    assert (
+        main(["dress", "--avatar", str(path), "--garment", "tshirt", "--front", "up", "-o", str(tmp_path)])
+        == 2
+    )
+    assert "unknown front 'up'; give the axis that the body faces" in capsys.readouterr().err

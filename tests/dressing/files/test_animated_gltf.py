@@ -75,7 +75,7 @@ def test_a_mirrored_node_keeps_its_faces_outward(tmp_path: Path) -> None:
     node = glb.node(mesh=glb.mesh(), scale=[-1.0, 1.0, 1.0])
     glb.animate(node, "translation", [0.0, 0.2], [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     read = read_animated_gltf(glb.write(tmp_path / "a.glb"), FPS)
-    a, b, c = read.frames[0][read.faces].swapaxes(0, 1)
+    a, b, c = read.frames[0][read.surface.faces].swapaxes(0, 1)
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() > 0.0
 
 
@@ -218,10 +218,10 @@ def test_buffers_lie_in_the_json_or_beside_it(name: str, tmp_path: Path) -> None
         glb.json["uri"] = "vertices%20of%20c.bin"
         (tmp_path / "vertices of c.bin").write_bytes(glb.data)
     read = read_animated_gltf(glb.write(tmp_path / name), FPS)
-    assert read.frames.shape == (5, 8, 3) and len(read.faces) == 8
+    assert read.frames.shape == (5, 8, 3) and len(read.surface.faces) == 8
     assert np.abs(read.frames[-1, :4] - CORNERS - [1.0, 0.0, 0.0]).max() < 1e-6
     assert np.abs(read.frames[:, 4:] - CORNERS - 10.0).max() < 1e-6
-    assert read.faces.max() == 7 and read.note == 'The first animation ("walk") of 0.4 s was read.'
+    assert read.surface.faces.max() == 7 and read.note == 'The first animation ("walk") of 0.4 s was read.'
 
 
 def test_an_animated_body_is_read_as_an_avatar(tmp_path: Path) -> None:

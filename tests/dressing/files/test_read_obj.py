@@ -7,6 +7,7 @@ import pytest
 
 from toile.dressing.body.animated_avatar import load_animated_avatar
 from toile.dressing.body.avatar import load_avatar
+from toile.dressing.body.reading import Reading
 from toile.dressing.files.read_obj import read_obj
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.geometry.errors import InputError
@@ -110,7 +111,7 @@ def test_frames_whose_normals_are_numbered_otherwise_are_one_mesh(tmp_path: Path
     for k in range(3):
         order = list(range(24))
         (tmp_path / f"body_{k}.obj").write_text(frame(k, order[k:] + order[:k]))
-    avatar = load_animated_avatar(tmp_path, units="m")
+    avatar = load_animated_avatar(tmp_path, reading=Reading(units="m"))
     assert avatar.motion is not None and avatar.motion.frames.shape == (3, 8, 3)
     top = avatar.vertices[:, 1] > 1.0
     moved = avatar.motion.frames[2] - avatar.motion.frames[0]

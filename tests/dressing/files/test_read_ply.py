@@ -8,6 +8,7 @@ import pytest
 
 from toile.dressing.body.animated_avatar import load_animated_avatar
 from toile.dressing.body.avatar import load_avatar
+from toile.dressing.body.reading import Reading
 from toile.dressing.files.read_ply import read_ply
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.geometry.arrays import Float, Int
@@ -95,12 +96,12 @@ def test_frames_are_split_as_the_first(kind: str, tmp_path: Path) -> None:
     for k, bend in enumerate((-0.05, 0.05, 0.1)):
         points = [(x, y, z + (bend if n == 7 else 0.0)) for n, (x, y, z) in enumerate(CORNERS)]
         (tmp_path / f"body{k}.ply").write_bytes(ply(kind, [*QUADS, [1, 5, 7, 3]], points))
-    avatar = load_animated_avatar(tmp_path, units="m")
+    avatar = load_animated_avatar(tmp_path, reading=Reading(units="m"))
     assert avatar.motion is not None and avatar.motion.frames.shape == (3, 8, 3)
     assert np.ptp(avatar.motion.frames[:, :, 2], axis=0).max() == pytest.approx(0.15, abs=1e-6)
     (tmp_path / "body3.ply").write_bytes(ply(kind, MIXED))
     with pytest.raises(InputError, match=r"body3\.ply: its faces differ from those of body0\.ply"):
-        load_animated_avatar(tmp_path, units="m")
+        load_animated_avatar(tmp_path, reading=Reading(units="m"))
 
 
 def test_texture_of_vertices_and_of_corners(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from toile.dressing.body.avatar import Avatar, load_avatar
+from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.body.measure import measure
 from toile.dressing.body.measurements import Measurements
@@ -342,7 +343,6 @@ def test_panels_start_clear_of_the_mannequin(height: float) -> None:
 
 @pytest.mark.parametrize("file", REAL_BODIES)
 def test_panels_start_clear_of_real_bodies(file: str, data_dir: Path) -> None:
-    avatar = load_avatar(data_dir / "bodies" / file)
-    measurements = measure(avatar)
+    form = DressForm(load_avatar(data_dir / "bodies" / file))
     for name in NAMES:
-        assert_clear(avatar, built_in(name, measurements))
+        assert_clear(form.avatar, built_in(name, form.measurements))

@@ -116,7 +116,7 @@ def test_unknown_extension(refused: Refused) -> None:
     error = refused("--garment", Path("plain").absolute())
     assert "plain: unknown garment format '(no extension)'; use" in error
     error = refused("--garment", "tube.obj", "--avatar", "a.fbx")
-    assert "a.fbx: unknown avatar format '.fbx'; export the body as one of .obj" in error
+    assert "a.fbx: FBX is a closed format; open it in Blender and export .glb" in error
 
 
 @pytest.mark.parametrize("extension", [".obj", ".ply", ".glb", ".json"])

@@ -1,0 +1,1 @@
+"""Measurements that tailors take beyond those that drafts need, and their names in other programs."""
