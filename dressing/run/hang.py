@@ -112,7 +112,10 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         meshes = [load_garment(garment, form, edges) for garment in scene.garments]
         options = _options(scene, meshes, edges)
         reading_seconds += time.perf_counter() - started
-        cloth = [(mesh, garment.fabric) for mesh, garment in zip(meshes, scene.garments, strict=True)]
+        cloth = [
+            (mesh, _as_thick(garment.fabric, mesh.thickness))
+            for mesh, garment in zip(meshes, scene.garments, strict=True)
+        ]
         if checkpoint is not None and edges == scene.sewing[0]:
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
@@ -143,6 +146,11 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
     )
 
 
+def _as_thick(fabric: Fabric, thickness: float | None) -> Fabric:
+    """Return a fabric of the thickness that a garment's file shows [m], where it shows one."""
+    return fabric if thickness is None else replace(fabric, thickness=thickness)
+
+
 def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> DressedGarment:
     """Return a draped garment with its name and panels."""
     return DressedGarment(
@@ -157,6 +165,7 @@ def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment) -> Dresse
         velocities=draped.velocities,
         origin=draped.origin,
         strain=draped.strain,
+        trims=mesh.trims,
     )
 
 

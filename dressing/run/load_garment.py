@@ -90,8 +90,9 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         from toile.dressing.garment.mesh_garment import read_mesh_garment
 
         return read_mesh_garment(
-            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edges.length
-        )
+            source, units=garment.units, up=garment.up, avatar=form.avatar, edge_length=edges.length,
+            walls=garment.walls,
+        )  # fmt: skip
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
     found = read_garment(source) if isinstance(source, Path) else built_in(source, form.measurements)

@@ -32,7 +32,7 @@ class ResolvedGarment:
         What it is made from.
     fabric
         Its fabric, checked.
-    self_contact, pins, warp_angle, units, up
+    self_contact, pins, warp_angle, units, up, walls
         As in `Garment`.
     """
 
@@ -44,6 +44,7 @@ class ResolvedGarment:
     warp_angle: float | Mapping[str, float]
     units: str | None
     up: str | None
+    walls: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +112,7 @@ def resolve(scene: Scene) -> ResolvedScene:
             ResolvedGarment(
                 name=name, source=source, fabric=fabric, self_contact=garment.self_contact, pins=garment.pins,
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
+                walls=garment.walls,
             )
             for garment, name, source, fabric in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, strict=True

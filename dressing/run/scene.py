@@ -88,6 +88,8 @@ class Garment:
         [degrees]: one number for all panels, or panel name to number.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
+    walls
+        How many layers of cloth the two walls of a mesh with thickness are: 1, of that thickness, or 2.
     """
 
     source: str | Path | GarmentMesh
@@ -99,6 +101,12 @@ class Garment:
     warp_angle: float | Mapping[str, float] = 0.0
     units: str | None = None
     up: str | None = None
+    walls: int = 1
+
+    def __post_init__(self) -> None:
+        """Raise InputError if `walls` is not 1 or 2."""
+        if self.walls not in (1, 2):
+            raise InputError(f"walls of a garment are 1 or 2, got {self.walls!r}", field="walls")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -107,6 +107,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
         "units": (str, "m, cm or mm of a mesh file"),
         "up": (str, "y or z of a mesh file"),
+        "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
     },
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),
@@ -318,6 +319,7 @@ class _SceneReader:
             warp_angle=angle,
             units=values.get("units"),
             up=values.get("up"),
+            walls=values.get("walls", 1),
         )
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:

@@ -12,7 +12,6 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
 from toile.dressing.wear.assemble_cloth import assemble_cloth, pin_motion
 from toile.dressing.wear.drape_types import (
-    DrapedGarment,
     DrapeFigures,
     DrapeOptions,
     DrapeOutcome,
@@ -22,9 +21,10 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
-from toile.dressing.wear.strain import warp_weft_strain
+from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
@@ -143,7 +143,9 @@ def _put_on(
         layered, said = flared_outside(lifted)
         notes += said
         placed.append((layered, fabric))
-    meshes, said = clear_panels([mesh for mesh, _ in placed], obstacle)
+    meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
+    notes += said
+    meshes, said = clear_panels(meshes, obstacle)
     notes += said
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
@@ -209,7 +211,7 @@ def _outcome(
         status = "converged"
     return DrapeOutcome(
         status=status, failure=failure, figures=_figures(run),
-        garments=taken_apart(run.cloth, len(garments)), cloth=run.cloth, step=run.plan.step, notes=notes,
+        garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]), cloth=run.cloth, step=run.plan.step, notes=notes,
         gave_up=record.gave_up, pin_motion=pin_motion(meshes, run.cloth.origin),
     )  # fmt: skip
 
@@ -281,28 +283,3 @@ def _figures(run: Drape) -> DrapeFigures:
         pop=record.pop,
         stage_seconds=run.clock.seconds,
     )
-
-
-def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
-    """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
-    draped, strain = [], warp_weft_strain(cloth)
-    for index in range(count):
-        own = cloth.garment == index
-        vertices, local = np.unique(cloth.faces[own], return_inverse=True)
-        nodes, node = np.unique(cloth.node[vertices], return_inverse=True)
-        material = local.reshape(-1, 3).astype(np.int32)
-        draped.append(
-            DrapedGarment(
-                positions=cloth.positions[nodes],
-                faces=node.astype(np.int32)[material],
-                faces_material=material,
-                uv=cloth.uv[vertices],
-                panel=cloth.panel[own],
-                velocities=cloth.velocities[nodes],
-                origin=None
-                if cloth.origin is None
-                else cloth.origin.of_garment(index, vertices, np.flatnonzero(own).astype(np.int32)),
-                strain=strain[own],
-            )
-        )
-    return draped
