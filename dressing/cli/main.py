@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.measure import add_measure
-from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser, body_length
+from toile.dressing.cli.parser import (
+    BAD_INPUT,
+    CANCELLED,
+    DONE,
+    FAILED,
+    FELL_OFF,
+    OVERSTRETCHED,
+    Commands,
+    Parser,
+    body_length,
+)
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -18,6 +28,8 @@ if TYPE_CHECKING:
     from toile.dressing.run.progress import ProgressState
     from toile.dressing.run.scene import Scene
 
+FAILURE_EXIT_CODES = {"fell_off": FELL_OFF, "overstretched": OVERSTRETCHED}
+"""Exit codes of failures with one of their own; all others have that of a failed simulation."""
 EXIT_CODES = {"converged": DONE, "frame_limit": DONE, "failed": FAILED, "cancelled": CANCELLED}
 EXAMPLES = """\
 examples:
@@ -27,7 +39,8 @@ examples:
   toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
-exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 130 cancelled"""
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 4 the garment fell off,
+5 cloth grew beyond reason, 130 cancelled"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -140,6 +153,11 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="adapt the mesh to the folds (default), or keep it as it is",
     )
     dress.add_argument(
+        "--ground",
+        action=argparse.BooleanOptionalAction,
+        help="a floor under the feet of a body that stands (default), or none",
+    )
+    dress.add_argument(
         "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
         help="wind [m/s], Y up, on garments that follow a moving BODY; 0 0 0 is still air",
     )  # fmt: skip
@@ -210,6 +228,8 @@ def _run_dress(options: argparse.Namespace) -> int:
         )
     elif not options.quiet:
         print(_summary(report, folder))
+    if result.failure is not None:
+        return FAILURE_EXIT_CODES.get(result.failure.kind, EXIT_CODES[result.status])
     return EXIT_CODES[result.status]
 
 
@@ -228,7 +248,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
+        for name in ("fabric", "quality", "edge_length", "remesh", "max_frames", "formats", "ground")
         if (value := getattr(options, name)) is not None
     }
     reading = {

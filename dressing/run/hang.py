@@ -25,6 +25,7 @@ from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene_avatar import load_scene_avatar
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     outcome = sewing.outcome
     for note in outcome.notes:
         listener.say(note)
+    for place in outcome.figures.strained:
+        listener.say(f"strained by up to {place.percent:.0f} % in {place.faces} faces: {place.where}")
     garments = tuple(
         _dressed(mesh, fabric, draped)
         for (mesh, fabric), draped in zip(sewing.cloth, outcome.garments, strict=False)
@@ -110,7 +113,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
     for edges in scene.sewing:
         started = time.perf_counter()
         meshes = [load_garment(garment, form, edges) for garment in scene.garments]
-        options = _options(scene, meshes, edges)
+        options = _options(scene, meshes, edges, floor_height(scene.ground, form))
         reading_seconds += time.perf_counter() - started
         cloth = [
             (mesh, _as_thick(garment.fabric, mesh.thickness))
@@ -128,7 +131,23 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
     return _Sewing(cloth, options, outcome, reading_seconds, stage_seconds)
 
 
-def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges) -> DrapeOptions:
+def floor_height(ground: bool | float, form: DressForm) -> float | None:
+    """Return the height of the floor [m], or None: where a scene has it, or under the feet of a body that stands.
+
+    A body stands if it can be measured. Where it moves, the floor is as low as its feet ever get.
+    """
+    if not isinstance(ground, bool):
+        return float(ground)
+    if not ground or isinstance(form.measured, InputError):
+        return None
+    motion = form.avatar.motion
+    low = float(form.avatar.vertices[:, 1].min())
+    return low if motion is None else min(low, float(motion.frames[:, :, 1].min()))
+
+
+def _options(
+    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, floor: float | None
+) -> DrapeOptions:
     """Return how garments are draped that are sewn in these edges."""
     return DrapeOptions(
         edge_length=edges.length,
@@ -143,6 +162,7 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
         ),
         self_contact=tuple(garment.self_contact for garment in scene.garments),
         persistent=edges == scene.sewing[-1],
+        ground=floor,
     )
 
 

@@ -77,7 +77,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats
+    formats, ground
         As in `Scene`.
     """
 
@@ -94,6 +94,7 @@ class ResolvedScene:
     friction_between: Mapping[frozenset[str], float]
     air: AirFlow | None
     formats: Sequence[str]
+    ground: bool | float
 
 
 def resolve(scene: Scene) -> ResolvedScene:
@@ -130,6 +131,7 @@ def resolve(scene: Scene) -> ResolvedScene:
         friction_between=_friction_between(scene.friction_between, cloth),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
+        ground=scene.ground,
     )  # fmt: skip
 
 

@@ -145,6 +145,8 @@ class Scene:
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
+    ground
+        Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
     """
 
     garments: Sequence[Garment]
@@ -160,6 +162,7 @@ class Scene:
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
     formats: Sequence[str] = ()
+    ground: bool | float = True
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -187,6 +190,8 @@ class Scene:
         _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
         _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
+        if not isinstance(self.ground, bool):
+            _check_number("ground", self.ground, low=-1000.0, high=1000.0, unit="m")
         _check_number("friction", self.friction, low=0.0, high=10.0)
         for pair, value in self.friction_between.items():
             if not isinstance(pair, tuple) or len(pair) != 2:

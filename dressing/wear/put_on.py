@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
+from toile.dressing.wear.watch import Watch, garment_areas, strained_places
 from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
@@ -32,6 +34,7 @@ from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.contact_pairs import BODY
+from toile.engine.forces.ground import Ground
 from toile.engine.step.options import StepOptions
 from toile.geometry.errors import InputError
 
@@ -50,6 +53,8 @@ LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
 LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
+SHUT = 1e-3
+"""Gap below which a stitch is shut, as progress counts [m]."""
 
 
 def drape(
@@ -77,21 +82,22 @@ def drape(
     for index, garment in enumerate(garments):
         own = replace(options, pins=options.pins[index : index + 1])
         parts.append(_put_on(form, [garment], own, reel, [part.cloth for part in parts]))
-        if parts[-1].gave_up or parts[-1].status == "cancelled":
+        if parts[-1].gave_up or parts[-1].status == "cancelled" or _is_over(parts[-1].failure):
             break
     worn = garments[: len(parts)]
+    watch = Watch(form.avatar.vertices, [mesh for mesh, _ in worn])
     run = Drape(
         worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
-        _plan(options, [fabric for _, fabric in worn]), reel.show,
+        _plan(options, [fabric for _, fabric in worn]), reel.showing(watch),
     )  # fmt: skip
     failure = next((part.failure for part in parts if part.failure is not None), None)
     run.record.cancelled = parts[-1].status == "cancelled"
-    if not (parts[-1].gave_up or run.record.cancelled):
-        failure = _broken_down(run, run.hang) or failure
+    if not (parts[-1].gave_up or run.record.cancelled or _is_over(failure)):
+        failure = _broken_down(run, run.hang, watch) or failure
     else:
         run.close_frame(0)
     notes = tuple(note for part in parts for note in part.notes)
-    outcome = _outcome(run, worn, failure, notes)
+    outcome = _outcome(run, worn, failure, notes, watch)
     return replace(
         outcome, gave_up=parts[-1].gave_up,
         figures=in_all([part.figures for part in parts], outcome.figures),
@@ -107,14 +113,33 @@ class _Reel:
         self._started = time.perf_counter()
         self._frames = 0
 
-    def show(self, frame: Frame) -> bool:
+    def showing(self, watch: Watch) -> Callable[[Frame], bool]:
+        """Return the callback of a drape that is watched: it shows a frame, and may end the drape."""
+        return lambda frame: self._show(frame) and watch.see(frame)
+
+    def _show(self, frame: Frame) -> bool:
         state = FrameState(
             frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
             residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
-            max_frames=self._max_frames,
+            max_frames=self._max_frames, doing=_doing(frame),
         )  # fmt: skip
         self._frames += 1
         return self._on_frame(state)
+
+
+def _doing(frame: Frame) -> str:
+    """Say what a drape is doing in a frame, and how far it is."""
+    cloth = frame.cloth
+    if frame.phase == "sewing" and len(cloth.stitches):
+        ends = cloth.positions[cloth.stitches]
+        gaps = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+        apart = int(np.count_nonzero(gaps > SHUT))
+        return f"sewing, {apart} of {len(gaps)} stitches apart by up to {1e3 * gaps.max():.0f} mm"
+    if frame.phase == "settling":
+        return "settling"
+    if sum(map(len, (frame.crossings.avatar, frame.crossings.cloth))):
+        return f"untangling {len(frame.crossings.avatar) + len(frame.crossings.cloth)} crossings"
+    return "growing the body to its shape" if frame.phase == "growing" else "sewing"
 
 
 def _put_on(
@@ -150,14 +175,25 @@ def _put_on(
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
-    run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
-    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes))
+    watch = Watch(avatar.vertices, [mesh for mesh, _ in garments])
+    run = Drape(
+        cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.showing(watch)
+    )
+    return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch)
 
 
-def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
-    """Run a drape; return what happened if its numbers broke down."""
+def _is_over(failure: Failure | None) -> bool:
+    """Whether a failure leaves nothing to go on with."""
+    return failure is not None and failure.kind in ("overstretched", "fell_off")
+
+
+def _broken_down(run: Drape, phases: Callable[[], object], watch: Watch) -> Failure | None:
+    """Run a drape; return what happened if its numbers broke down, or if the watch stopped it."""
     try:
         phases()
+        if watch.failure is not None:
+            run.record.cancelled = False
+            return watch.failure
     except FloatingPointError as error:
         return Failure(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
@@ -181,6 +217,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
             friction=friction,
             slip=SLIP,
             self_contact=not options.self_contact or any(options.self_contact),
+            more_forces=() if options.ground is None else (partial(Ground.under, options.ground),),
         ),
         max_steps=options.max_frames * STEPS_PER_FRAME,
         rms_motion=options.tolerance,
@@ -197,11 +234,12 @@ def _outcome(
     garments: list[tuple[GarmentMesh, Fabric]],
     failure: Failure | None,
     notes: tuple[str, ...],
+    watch: Watch,
 ) -> DrapeOutcome:
     """Read the outcome off a finished drape; `failure` is what broke it down, if anything did."""
     record, meshes = run.record, [mesh for mesh, _ in garments]
     if failure is None and not record.cancelled:
-        failure = _shortcoming(run, meshes)
+        failure = _shortcoming(run, meshes) or (None if record.gave_up else watch.at_end(run.cloth))
     status: Status = "frame_limit"
     if record.cancelled:
         status = "cancelled"
@@ -210,7 +248,7 @@ def _outcome(
     elif record.converged:
         status = "converged"
     return DrapeOutcome(
-        status=status, failure=failure, figures=_figures(run),
+        status=status, failure=failure, figures=_figures(run, meshes),
         garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]), cloth=run.cloth, step=run.plan.step, notes=notes,
         gave_up=record.gave_up, pin_motion=pin_motion(meshes, run.cloth.origin),
     )  # fmt: skip
@@ -250,12 +288,13 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh]) -> Failure | None:
     return None
 
 
-def _figures(run: Drape) -> DrapeFigures:
+def _figures(run: Drape, meshes: list[GarmentMesh]) -> DrapeFigures:
     """Read the figures off a finished drape."""
     record = run.record
     settled = record.settled_crossings or record.crossings[-1:]
     last = record.crossings[-1]
     strain, smallest_gap = 100.0 * run.warp_weft_strain(), run.smallest_gap()
+    cut = np.bincount(run.cloth.garment, run.cloth.rest_area, len(meshes))
     counts = record.node_counts
     faces = [record.first_faces, *(entry.faces for entry in record.remeshings)]
     return DrapeFigures(
@@ -274,6 +313,8 @@ def _figures(run: Drape) -> DrapeFigures:
         warp_strain_max=float(strain[:, 0].max()),
         weft_strain_max=float(strain[:, 1].max()),
         strain_p99=float(np.quantile(strain, 0.99)),
+        areas=tuple(zip(garment_areas(run.cloth, len(meshes)), cut.tolist(), strict=True)),
+        strained=strained_places(run.cloth, meshes),
         residual=record.rms_motion,
         remeshings=len(record.remeshings),
         splits=sum(done.splits for done in record.remeshings),
