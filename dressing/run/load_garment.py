@@ -15,6 +15,8 @@ from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dressing.garment.readers import read_garment
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.pattern.twisted_seams import check_twists
+from toile.dressing.run.pattern_place import moved_to_body
 from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
@@ -99,7 +101,11 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
         return found
-    return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+    if isinstance(source, Path):
+        found = moved_to_body(found, form)
+        check_twists(found)
+    mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+    return replace(mesh, notes=found.notes)
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:
