@@ -27,6 +27,11 @@ from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOu
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 
+MOST_RETRIED = 8e5
+"""Faces times Newton iterations in jammed attempts after which the next attempt is the last: 20 CPU s or so."""
+LAST_WORK = 1e6
+"""What the last attempt may take then until the garment settles, or twice what the one before took."""
+
 
 @dataclass(frozen=True)
 class _Sewing:
@@ -110,10 +115,13 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
 
     reading_seconds = 0.0
     stage_seconds: dict[str, float] = {}
+    spent = last_work = 0
     for edges in scene.sewing:
         started = time.perf_counter()
         meshes = [load_garment(garment, form, edges) for garment in scene.garments]
         options = _options(scene, meshes, edges, floor_height(scene.ground, form))
+        if spent >= MOST_RETRIED:
+            options = replace(options, persistent=True, most_work=max(LAST_WORK, 2.0 * last_work))
         reading_seconds += time.perf_counter() - started
         cloth = [
             (mesh, _as_thick(garment.fabric, mesh.thickness))
@@ -125,6 +133,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
         for stage, seconds in outcome.figures.stage_seconds.items():
             stage_seconds[stage] = stage_seconds.get(stage, 0.0) + seconds
+        spent, last_work = spent + outcome.work, outcome.work
         if not outcome.gave_up:
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")

@@ -18,6 +18,7 @@ from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.pattern.twisted_seams import check_twists
 from toile.dressing.run.pattern_place import moved_to_body
 from toile.dressing.run.resolved_scene import ResolvedGarment
+from toile.dressing.run.unplaced import placed_by_seams
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 
@@ -102,7 +103,7 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         _check_pattern_coordinates(found)
         return found
     if isinstance(source, Path):
-        found = moved_to_body(found, form)
+        found = moved_to_body(placed_by_seams(found, form), form)
         check_twists(found)
     mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
     return replace(mesh, notes=found.notes)

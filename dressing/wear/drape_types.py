@@ -49,6 +49,8 @@ class DrapeOptions:
         Whether seams that jam for good are left open; or the drape gives up.
     ground
         Height of the floor [m], or None.
+    most_work
+        As in `DrapePlan`.
     """
 
     edge_length: float
@@ -62,6 +64,7 @@ class DrapeOptions:
     self_contact: tuple[bool, ...] = ()
     persistent: bool = True
     ground: float | None = None
+    most_work: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,7 +235,8 @@ class DrapedGarment:
 class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
-    `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
+    `gave_up`: its seams jammed, and on another mesh they may not; `work`: faces times Newton iterations until
+    it settled. `cloth`, `step` and `pin_motion` are what a
     film continues with.
     """
 
@@ -244,4 +248,5 @@ class DrapeOutcome:
     step: "StepOptions"
     notes: tuple[str, ...] = ()
     gave_up: bool = False
+    work: int = 0
     pin_motion: VertexMotion | None = None

@@ -99,7 +99,7 @@ def drape(
     notes = tuple(note for part in parts for note in part.notes)
     outcome = _outcome(run, worn, failure, notes, watch)
     return replace(
-        outcome, gave_up=parts[-1].gave_up,
+        outcome, gave_up=parts[-1].gave_up, work=sum(part.work for part in parts),
         figures=in_all([part.figures for part in parts], outcome.figures),
     )  # fmt: skip
 
@@ -226,6 +226,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
         late_stiffness=max(LEAST_LATE_STIFFNESS, LATE_STIFFNESS * options.edge_length),
         sizing=options.sizing,
         persistent=options.persistent,
+        most_work=options.most_work,
     )
 
 
@@ -250,7 +251,7 @@ def _outcome(
     return DrapeOutcome(
         status=status, failure=failure, figures=_figures(run, meshes),
         garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]), cloth=run.cloth, step=run.plan.step, notes=notes,
-        gave_up=record.gave_up, pin_motion=pin_motion(meshes, run.cloth.origin),
+        gave_up=record.gave_up, work=record.work, pin_motion=pin_motion(meshes, run.cloth.origin),
     )  # fmt: skip
 
 
@@ -276,16 +277,27 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh]) -> Failure | None:
         return Failure(
             kind="open_seams",
             message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-            "the garment may be too small for this body, or cloth is in the way",
+            "the garment may be too small for this body, its panels may start across each other, or cloth is in "
+            "the way (place the panels named here farther apart, or check their seams)",
             where=", ".join(seams),
         )
     if run.phase != "settling":
         return Failure(
             kind="not_sewn",
-            message=f"the frame limit was reached while the garment was still {run.phase}; allow more frames",
+            message=_unfinished(run),
             where=f"frame {len(record.crossings) - 1}",
         )
     return None
+
+
+def _unfinished(run: Drape) -> str:
+    """Say why a garment is not sewn yet."""
+    if run.record.steps < run.plan.max_steps:
+        return (
+            f"the garment jammed in several meshes, and in the last while it was still {run.phase}; place its "
+            "panels farther from the body and from each other, or check its size"
+        )
+    return f"the frame limit was reached while the garment was still {run.phase}; allow more frames"
 
 
 def _figures(run: Drape, meshes: list[GarmentMesh]) -> DrapeFigures:
