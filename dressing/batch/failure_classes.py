@@ -18,6 +18,8 @@ FAILURE_CLASSES: dict[FailureClass, str] = {
     "numerical": "the solver broke down",
     "motion": "the garment could not follow the body's motion",
     "crossing": "triangles crossed in a frame of the body's motion",
+    "overstretched": "cloth grew or was stretched beyond reason",
+    "fell_off": "the garment fell off the body",
     "timeout": "stopped after the time limit of a job",
     "memory": "needed more memory than a job may have",
     "crashed": "the process died of an error in machine code",

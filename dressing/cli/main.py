@@ -15,6 +15,8 @@ from toile.dressing.cli.parser import (
     CANCELLED,
     DONE,
     FAILED,
+    FELL_OFF,
+    OVERSTRETCHED,
     READING,
     Commands,
     Parser,
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
     from toile.dressing.run.progress import ProgressState
     from toile.dressing.run.scene import Scene
 
+FAILURE_EXIT_CODES = {"fell_off": FELL_OFF, "overstretched": OVERSTRETCHED}
+"""Exit codes of failures with one of their own; all others have that of a failed simulation."""
 EXIT_CODES = {"converged": DONE, "frame_limit": DONE, "failed": FAILED, "cancelled": CANCELLED}
 EXAMPLES = """\
 examples:
@@ -38,7 +42,8 @@ examples:
   toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
-exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 130 cancelled"""
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 4 the garment fell off,
+5 cloth grew beyond reason, 130 cancelled"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -146,6 +151,11 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="adapt the mesh to the folds (default), or keep it as it is",
     )
     dress.add_argument(
+        "--ground",
+        action=argparse.BooleanOptionalAction,
+        help="a floor under the feet of a body that stands (default), or none",
+    )
+    dress.add_argument(
         "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
         help="wind [m/s], Y up, on garments that follow a moving BODY; 0 0 0 is still air",
     )  # fmt: skip
@@ -225,6 +235,8 @@ def _run_dress(options: argparse.Namespace) -> int:
         )
     elif not options.quiet:
         print(_summary(report, folder))
+    if result.failure is not None:
+        return FAILURE_EXIT_CODES.get(result.failure.kind, EXIT_CODES[result.status])
     return EXIT_CODES[result.status]
 
 
@@ -243,7 +255,16 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
 
     given = {
         name: value
-        for name in ("measurements", "fabric", "quality", "edge_length", "remesh", "max_frames", "formats")
+        for name in (
+            "measurements",
+            "fabric",
+            "quality",
+            "edge_length",
+            "remesh",
+            "max_frames",
+            "formats",
+            "ground",
+        )  # fmt: skip
         if (value := getattr(options, name)) is not None
     }
     reading = reading_of(options)

@@ -4,7 +4,7 @@ import argparse
 import sys
 from typing import Any, NoReturn
 
-DONE, MISSED, BAD_INPUT, FAILED, CANCELLED = 0, 1, 2, 3, 130
+DONE, MISSED, BAD_INPUT, FAILED, FELL_OFF, OVERSTRETCHED, CANCELLED = 0, 1, 2, 3, 4, 5, 130
 """Exit codes."""
 
 

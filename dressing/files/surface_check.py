@@ -9,13 +9,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from toile.dressing.files.corner_surface import Surface
-from toile.geometry.arrays import Float, Int
+from toile.dressing.files.surface_mend import exactly_welded, without_area
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
-
-SMALLEST_AREA = 1e-11
-"""Faces below this area [m^2] count as degenerate: (3 micrometres)^2 is no cloth."""
-SMALLEST_HEIGHT = 1e-5
-"""Smallest height of a triangle over its longest edge, relative to that edge: thinner is degenerate."""
 
 
 def check_vertex_numbers(path: Path, faces: npt.NDArray[np.integer], count: int, remedy: str) -> None:
@@ -30,9 +26,11 @@ def check_vertex_numbers(path: Path, faces: npt.NDArray[np.integer], count: int,
 def checked_surface(path: Path, surface: Surface) -> Surface:
     """Return the surface [m] welded, consistently oriented and without unused nodes.
 
-    Raises InputError naming degenerate faces, edges with more than two faces, and one-sided surfaces.
+    Where more than two faces meet at an edge, a piece is sewn on (a belt loop, a pocket): they stay joined, and
+    which way the piece faces is its own matter. Raises InputError naming degenerate faces and one-sided
+    surfaces.
     """
-    positions, faces = _welded(surface.positions, surface.faces)
+    positions, faces = surface.positions, exactly_welded(surface.positions, surface.faces)
     _refuse_degenerate(path, positions, faces, surface.file_face)
     flipped = _faces_to_flip(path, faces, surface.file_face)
     faces, uv_faces = faces.copy(), surface.uv_faces.copy()
@@ -46,30 +44,9 @@ def checked_surface(path: Path, surface: Surface) -> Surface:
     )
 
 
-def _welded(positions: Float, faces: Int) -> tuple[Float, Int]:
-    """Merge border vertices at the same place: exporters split a vertex for each texture coordinate.
-
-    Vertices inside a layer are left alone, so that two layers that touch do not grow together.
-    """
-    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
-    keys, counts = np.unique(
-        np.minimum(start, end) * len(positions) + np.maximum(start, end), return_counts=True
-    )
-    lone = keys[counts == 1]
-    border = np.unique(np.concatenate([lone // len(positions), lone % len(positions)]))
-    target = np.arange(len(positions), dtype=np.int32)
-    if len(border):
-        _, first, index = np.unique(positions[border], axis=0, return_index=True, return_inverse=True)
-        target[border] = border[first][index.ravel()]
-    return positions, target[faces]
-
-
 def _refuse_degenerate(path: Path, positions: Float, faces: Int, file_face: Int) -> None:
     """Raise InputError naming faces that repeat a vertex or have no area."""
-    corners = positions[faces]
-    doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    bad = np.flatnonzero((doubled < 2.0 * SMALLEST_AREA) | (doubled < SMALLEST_HEIGHT * longest**2))
+    bad = np.flatnonzero(without_area(positions, faces))
     if len(bad):
         raise InputError(
             f"{path}: {_named(file_face[bad])} no area; delete or merge them", file_face[bad], file=path
@@ -79,22 +56,13 @@ def _refuse_degenerate(path: Path, positions: Float, faces: Int, file_face: Int)
 def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
     """Return the faces to turn over so that neighbours agree; in each piece the majority stays as it is.
 
-    Raises InputError for edges with more than two faces, and for surfaces with one side (Moebius).
+    Faces at an edge of more than two are no neighbours. Raises InputError for surfaces with one side
+    (Moebius).
     """
-    count = int(faces.max()) + 1
-    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
-    key = np.minimum(start, end) * count + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    key, owner, upward = key[order], order // 3, (start < end)[order]
-    crowded = np.flatnonzero(key[2:] == key[:-2])
-    if len(crowded):
-        bad = np.unique(owner[np.concatenate([crowded, crowded + 1, crowded + 2])])
-        raise InputError(
-            f"{path}: {_named(file_face[bad])} an edge with more than two faces; separate them",
-            file_face[bad],
-            file=path,
-        )
+    key, owner, upward = _sides(faces)
     pair = np.flatnonzero(key[1:] == key[:-1])
+    crowded = np.isin(key[pair], key[2:][key[2:] == key[:-2]])
+    pair = pair[~crowded]
     a, b, same = owner[pair], owner[pair + 1], upward[pair] == upward[pair + 1]
     if not same.any():
         return np.empty(0, dtype=np.int32)
@@ -121,6 +89,22 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
             file=path,
         )
     return np.flatnonzero(turned).astype(np.int32)
+
+
+def crowded_faces(faces: Int) -> Int:
+    """Return the faces at edges of more than two faces, sorted."""
+    key, owner, _ = _sides(faces)
+    first = np.flatnonzero(key[2:] == key[:-2])
+    return np.asarray(np.unique(owner[np.concatenate([first, first + 1, first + 2])]), np.int32)
+
+
+def _sides(faces: Int) -> tuple[npt.NDArray[np.int64], Int, Bool]:
+    """Sides of all faces in the order of their edges: key of the edge, face, whether it runs upwards."""
+    count = int(faces.max()) + 1
+    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    return key[order], np.asarray(order // 3, np.int32), np.asarray((start < end)[order])
 
 
 def _named(faces: Int) -> str:

@@ -10,7 +10,8 @@ from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
 if TYPE_CHECKING:
-    # It needs scipy, which is loaded when it is needed.
+    # They need scipy, which is loaded when it is needed.
+    from toile.dressing.garment.trims import Trims
     from toile.engine.cloth.origin import Origin
 
 
@@ -60,6 +61,10 @@ class GarmentMesh:
     motion
         Where the file's corners go [m]: pinned and drawn vertices follow it where the avatar moves. None:
         they stay.
+    trims
+        Rigid pieces that ride along, or None.
+    thickness
+        Thickness of the cloth as the file shows it [m], whatever the fabric's is; None: it does not.
     notes
         What was noticed in the file, one sentence each.
     """
@@ -83,4 +88,6 @@ class GarmentMesh:
     pull: Float | None = None
     origin: "Origin | None" = None
     motion: VertexMotion | None = None
+    trims: "Trims | None" = None
+    thickness: float | None = None
     notes: tuple[str, ...] = ()

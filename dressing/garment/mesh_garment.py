@@ -13,9 +13,12 @@ from toile.dressing.body.place import ROOM, Place
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
 from toile.dressing.files.read_surface import read_surface
-from toile.dressing.files.surface_check import checked_surface
+from toile.dressing.files.surface_check import checked_surface, crowded_faces
+from toile.dressing.files.surface_mend import mended_surface, named
+from toile.dressing.garment.double_walls import as_layers
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_subdivision import subdivide
+from toile.dressing.garment.trims import without_trims
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
@@ -38,8 +41,12 @@ def read_mesh_garment(
     avatar: Avatar | None = None,
     place: Place = ROOM,
     edge_length: float | None = None,
+    walls: int = 1,
 ) -> GarmentMesh:
     """Return the garment of a mesh file of one of FORMATS, or of arrays in an .npz file.
+
+    Doubled faces, faces without area and gaps between borders are mended, small shells (buttons) become
+    rigid trims, and a mesh with thickness becomes one layer; notes say so.
 
     Parameters
     ----------
@@ -58,12 +65,14 @@ def read_mesh_garment(
         Where that body stands in the room of the garment's file: the garment comes with it.
     edge_length
         Edges much longer than this [m] are split; None keeps the file's triangles.
+    walls
+        How many layers the two walls of a mesh with thickness are: 1 or 2.
 
     Raises
     ------
     InputError
-        If the file is missing, unreadable, empty, or has NaN coordinates, zero-area faces or edges with
-        more than two faces; faces are named by their number in the file, from 0.
+        If the file is missing, unreadable, empty, or has NaN coordinates or a surface with one side; faces
+        are named by their number in the file, from 0.
     """
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
@@ -86,10 +95,21 @@ def read_mesh_garment(
             f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh", file=path
         )
     metres = _in_metres(path, surface.positions, units, up, avatar, place)
-    surface = checked_surface(path, replace(surface, positions=metres))
+    surface, mended = mended_surface(replace(surface, positions=metres))
+    if not len(surface.faces):
+        raise InputError(f"{path}: no face has an area; export the garment again", file=path)
+    surface, trims, with_trims = without_trims(surface)
+    surface = checked_surface(path, surface)
+    surface, thickness, walled = as_layers(surface, walls)
+    if walled:
+        surface = checked_surface(path, surface)
+    sewn_on = crowded_faces(surface.faces)
+    joined = (f"{named(sewn_on)} sewn on: more than two meet at an edge",) if len(sewn_on) else ()
     with about(file=path):
         garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
-    return replace(garment, notes=notes)
+    return replace(
+        garment, trims=trims, thickness=thickness, notes=(*notes, *mended, *with_trims, *walled, *joined)
+    )
 
 
 def moved_in(garment: GarmentMesh, place: Place) -> GarmentMesh:

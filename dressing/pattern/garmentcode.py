@@ -24,6 +24,8 @@ SHORTEST_EDGE = 1e-5
 MAX_DART_RATIO = 5.0
 MAX_GATHER_RATIO = 12.0
 """Longest over shortest edge that can be sewn together; real gathers stay below 4."""
+LARGEST_WITHOUT_UNITS = 300.0
+"""Size of a panel in a file without units from which they are millimetres, not centimetres."""
 LARGEST_PANEL, SMALLEST_LARGEST = 10.0, 0.03
 """Size [m] that no panel exceeds, and that some panel of every pattern reaches: else the units are wrong."""
 
@@ -55,8 +57,8 @@ def _pattern(path: Path) -> Pattern:
     notes: list[str] = []
     units = properties.get("units_in_meter")
     if units is None:
-        units = 100.0
-        notes.append("The pattern does not say its units; centimetres are assumed.")
+        units, word = _likely_units(body)
+        notes.append(f"The pattern does not say its units; {word} are assumed.")
     with about(field="properties.units_in_meter"):
         units = _number(units, f"{path.name}: properties.units_in_meter")
         if units <= 0.0:
@@ -84,6 +86,26 @@ def _pattern(path: Path) -> Pattern:
     if properties.get("normalized_edge_loops") is not True:
         pattern = consistent_loops(pattern)
     return pattern
+
+
+def _likely_units(body: Mapping[str, Any]) -> tuple[float, str]:
+    """Return the units per metre of panels that do not say them, and their name: no panel exceeds 3 m."""
+    raw = body.get("panels")
+    panels = list(raw.values()) if isinstance(raw, Mapping) else []
+    corners = [panel.get("vertices") for panel in panels if isinstance(panel, Mapping)]
+    size = 0.0
+    for points in corners:
+        numbers = [
+            [float(number) for number in point if isinstance(number, int | float)]
+            for point in (points if isinstance(points, list) else [])
+            if isinstance(point, list)
+        ]
+        pairs = [point for point in numbers if len(point) == 2]
+        for axis in (0, 1):
+            values = [point[axis] for point in pairs] or [0.0]
+            size = max(size, max(values) - min(values))
+    # NaN and infinities are named where the panel is read.
+    return (1000.0, "millimetres") if LARGEST_WITHOUT_UNITS < size < math.inf else (100.0, "centimetres")
 
 
 def check_pattern(pattern: Pattern) -> None:

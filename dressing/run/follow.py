@@ -19,7 +19,7 @@ from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
-from toile.dressing.wear.put_on import taken_apart
+from toile.dressing.wear.taken_apart import taken_apart
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
@@ -180,7 +180,7 @@ class _Shown:
 
     def _as_of(self, cloth: Cloth) -> tuple[DressedGarment, ...]:
         """Return the garments in the shape of a cloth."""
-        parts = taken_apart(cloth, len(self.garments))
+        parts = taken_apart(cloth, [garment.trims for garment in self.garments])
         return tuple(
             garment.now(part, self._place) for garment, part in zip(self.garments, parts, strict=True)
         )

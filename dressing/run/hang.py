@@ -35,6 +35,10 @@ from toile.geometry.errors import InputError
 
 HANGING = np.radians(65.0)
 """Arms that are lower than this leave sleeves little room [rad]."""
+MOST_RETRIED = 8e5
+"""Faces times Newton iterations in jammed attempts after which the next attempt is the last: 20 CPU s or so."""
+LAST_WORK = 1e6
+"""What the last attempt may take then until the garment settles, or twice what the one before took."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     outcome = sewing.outcome
     for note in outcome.notes:
         listener.say(note)
+    for place in outcome.figures.strained:
+        listener.say(f"strained by up to {place.percent:.0f} % in {place.faces} faces: {place.where}")
     garments = tuple(
         _dressed(mesh, fabric, draped, form.place)
         for (mesh, fabric), draped in zip(sewing.cloth, outcome.garments, strict=False)
@@ -151,25 +157,48 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
 
     reading_seconds = 0.0
     stage_seconds: dict[str, float] = {}
+    spent = last_work = 0
     for edges in scene.sewing:
         started = time.perf_counter()
         meshes = [load_garment(garment, form, edges) for garment in scene.garments]
-        options = _options(scene, meshes, edges)
+        options = _options(scene, meshes, edges, floor_height(scene.ground, form))
+        if spent >= MOST_RETRIED:
+            options = replace(options, persistent=True, most_work=max(LAST_WORK, 2.0 * last_work))
         reading_seconds += time.perf_counter() - started
-        cloth = [(mesh, garment.fabric) for mesh, garment in zip(meshes, scene.garments, strict=True)]
+        cloth = [
+            (mesh, _as_thick(garment.fabric, mesh.thickness))
+            for mesh, garment in zip(meshes, scene.garments, strict=True)
+        ]
         if checkpoint is not None and edges == scene.sewing[0]:
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
         outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
         for stage, seconds in outcome.figures.stage_seconds.items():
             stage_seconds[stage] = stage_seconds.get(stage, 0.0) + seconds
+        spent, last_work = spent + outcome.work, outcome.work
         if not outcome.gave_up:
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
     return _Sewing(cloth, options, outcome, reading_seconds, stage_seconds)
 
 
-def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges) -> DrapeOptions:
+def floor_height(ground: bool | float, form: DressForm) -> float | None:
+    """Return the height of the floor [m], or None: where a scene has it, or under the feet of a body that stands.
+
+    A body stands if it can be measured. Where it moves, the floor is as low as its feet ever get.
+    """
+    if not isinstance(ground, bool):
+        return float(ground) - form.place.origin[1]
+    if not ground or isinstance(form.measured, InputError):
+        return None
+    motion = form.avatar.motion
+    low = float(form.avatar.vertices[:, 1].min())
+    return low if motion is None else min(low, float(motion.frames[:, :, 1].min()))
+
+
+def _options(
+    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, floor: float | None
+) -> DrapeOptions:
     """Return how garments are draped that are sewn in these edges."""
     return DrapeOptions(
         edge_length=edges.length,
@@ -184,7 +213,13 @@ def _options(scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges
         ),
         self_contact=tuple(garment.self_contact for garment in scene.garments),
         persistent=edges == scene.sewing[-1],
+        ground=floor,
     )
+
+
+def _as_thick(fabric: Fabric, thickness: float | None) -> Fabric:
+    """Return a fabric of the thickness that a garment's file shows [m], where it shows one."""
+    return fabric if thickness is None else replace(fabric, thickness=thickness)
 
 
 def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment, place: Place) -> DressedGarment:
@@ -201,6 +236,7 @@ def _dressed(mesh: GarmentMesh, fabric: Fabric, draped: DrapedGarment, place: Pl
         velocities=None if draped.velocities is None else place.turned_out(draped.velocities),
         origin=draped.origin,
         strain=draped.strain,
+        trims=mesh.trims,
     )
 
 

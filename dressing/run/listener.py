@@ -49,6 +49,7 @@ class Listener:
                     tolerance=tolerance,
                     seconds=state.seconds,
                     seconds_left=left,
+                    doing=state.doing,
                 )
             )
             return answer is not False

@@ -16,7 +16,10 @@ from toile.dressing.garment.mesh_garment import moved_in
 from toile.dressing.garment.readers import read_garment
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.pattern.twisted_seams import check_twists
+from toile.dressing.run.pattern_place import moved_to_body
 from toile.dressing.run.resolved_scene import ResolvedGarment
+from toile.dressing.run.unplaced import placed_by_seams
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 
@@ -94,7 +97,7 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
 
         return read_mesh_garment(
             source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
-            edge_length=edges.length,
+            edge_length=edges.length, walls=garment.walls,
         )  # fmt: skip
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
@@ -102,23 +105,29 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
         return moved_in(found, form.place)
+    if isinstance(source, Path):
+        check_twists(found)
+        mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+        if _lies_in_the_room(mesh, form):
+            return replace(moved_in(mesh, form.place), notes=found.notes)
+        found = moved_to_body(placed_by_seams(found, form), form)
+        if not form.place.is_own:
+            note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
+            found = replace(found, notes=(*found.notes, note))
     mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
-    return _around(mesh, form) if isinstance(source, Path) else mesh
+    return replace(mesh, notes=found.notes)
 
 
-def _around(mesh: GarmentMesh, form: DressForm) -> GarmentMesh:
-    """Return a pattern's mesh around the body: where its file has it, or in the body's own frame.
+def _lies_in_the_room(mesh: GarmentMesh, form: DressForm) -> bool:
+    """Whether a pattern's file has it around the body where that stands in its own file.
 
     Patterns are made for a body that faces +Z above the origin; some for one in the place of the file.
     """
     place = form.place
-    if place.is_own:
-        return mesh
+    if place.is_own or place.turn:
+        return False
     room = moved_in(mesh, place)
-    if not place.turn and _overlap(room, form.avatar) >= SAME_OVERLAP * _overlap(mesh, form.avatar):
-        return room
-    note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
-    return replace(mesh, notes=(*mesh.notes, note))
+    return _overlap(room, form.avatar) >= SAME_OVERLAP * _overlap(mesh, form.avatar)
 
 
 def _overlap(mesh: GarmentMesh, avatar: Avatar) -> float:

@@ -25,6 +25,8 @@ class ProgressState:
         Wall time so far [s].
     seconds_left
         Estimated wall time to the end [s], None while there is nothing to go by.
+    doing
+        What is being done, and how far it is, in words.
     """
 
     frame: int
@@ -35,6 +37,7 @@ class ProgressState:
     tolerance: float
     seconds: float
     seconds_left: float | None
+    doing: str = ""
 
 
 Progress = Callable[[ProgressState], bool | None]
@@ -118,13 +121,13 @@ class ProgressPrinter(LinePrinter):
 
 
 def progress_text(state: ProgressState) -> str:
-    """Return one line: frame, faces, contacts, residual, time left."""
+    """Return one line: frame, faces, contacts, residual or what is being done, time left."""
     left = "" if state.seconds_left is None else f"  about {clock(state.seconds_left)} left"
-    residual = f"{state.residual:.2g}" if math.isfinite(state.residual) else "-"
-    return (
-        f"frame {state.frame}/{state.max_frames}  faces {state.faces}  contacts {state.contacts}  "
-        f"residual {residual} (goal {state.tolerance:.2g}){left}"
-    )
+    known = math.isfinite(state.residual)
+    # Before it settles the way to equilibrium is not measured yet: what it waits for is.
+    waits = f"residual {state.residual:.2g} (goal {state.tolerance:.2g})" if known else state.doing
+    where = f"frame {state.frame}/{state.max_frames}  faces {state.faces}  contacts {state.contacts}"
+    return f"{where}  {waits}{left}"
 
 
 def clock(seconds: float) -> str:

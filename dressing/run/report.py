@@ -61,6 +61,7 @@ def drape_report(
             "warp_max": figures.warp_strain_max,
             "weft_max": figures.weft_strain_max,
             "p99": figures.strain_p99,
+            "over_50": [vars(place) for place in figures.strained],
         },
         "residual": figures.residual,
         "remeshing": {
@@ -72,7 +73,10 @@ def drape_report(
             "pop_mm": 1e3 * figures.pop,
         },
         "avatar": avatar,
-        "garments": garments,
+        "garments": [
+            facts | {"area_m2": area, "cut_area_m2": cut}
+            for facts, (area, cut) in zip(garments, figures.areas, strict=True)
+        ],
         "wall_seconds": seconds.wall,
         "cpu_seconds": seconds.cpu,
         "stage_seconds": stages,

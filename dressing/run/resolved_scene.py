@@ -35,7 +35,7 @@ class ResolvedGarment:
         What it is made from.
     fabric
         Its fabric, checked.
-    self_contact, pins, warp_angle, units, up
+    self_contact, pins, warp_angle, units, up, walls
         As in `Garment`.
     """
 
@@ -47,6 +47,7 @@ class ResolvedGarment:
     warp_angle: float | Mapping[str, float]
     units: str | None
     up: str | None
+    walls: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +82,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats
+    formats, ground
         As in `Scene`.
     """
 
@@ -99,6 +100,7 @@ class ResolvedScene:
     friction_between: Mapping[frozenset[str], float]
     air: AirFlow | None
     formats: Sequence[str]
+    ground: bool | float
 
 
 def resolve(scene: Scene) -> ResolvedScene:
@@ -117,6 +119,7 @@ def resolve(scene: Scene) -> ResolvedScene:
             ResolvedGarment(
                 name=name, source=source, fabric=fabric, self_contact=garment.self_contact, pins=garment.pins,
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
+                walls=garment.walls,
             )
             for garment, name, source, fabric in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, strict=True
@@ -135,6 +138,7 @@ def resolve(scene: Scene) -> ResolvedScene:
         friction_between=_friction_between(scene.friction_between, cloth),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
+        ground=scene.ground,
     )  # fmt: skip
 
 

@@ -24,6 +24,7 @@ from toile.geometry.arrays import Float, Int
 from toile.geometry.normals import drawn_normals
 
 if TYPE_CHECKING:
+    from toile.dressing.garment.trims import Trims
     from toile.engine.cloth.origin import Origin
 
 
@@ -55,6 +56,8 @@ class DressedGarment:
         Which corners and faces of the garment's file all this comes from, or None.
     strain
         Along warp and weft of every face, shape (t, 2), or None.
+    trims
+        Rigid pieces among its faces, as they start, or None.
     """
 
     name: str
@@ -68,6 +71,7 @@ class DressedGarment:
     velocities: Float | None = None
     origin: "Origin | None" = None
     strain: Float | None = None
+    trims: "Trims | None" = None
 
     def now(self, part: DrapedGarment, place: Place) -> "DressedGarment":
         """Return the garment in another shape, which is in the frame of a body in that place."""

@@ -110,6 +110,8 @@ class Garment:
         [degrees]: one number for all panels, or panel name to number.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
+    walls
+        How many layers of cloth the two walls of a mesh with thickness are: 1, of that thickness, or 2.
     """
 
     source: str | Path | GarmentMesh
@@ -121,6 +123,12 @@ class Garment:
     warp_angle: float | Mapping[str, float] = 0.0
     units: str | None = None
     up: str | None = None
+    walls: int = 1
+
+    def __post_init__(self) -> None:
+        """Raise InputError if `walls` is not 1 or 2."""
+        if self.walls not in (1, 2):
+            raise InputError(f"walls of a garment are 1 or 2, got {self.walls!r}", field="walls")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +171,8 @@ class Scene:
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
+    ground
+        Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
     """
 
     garments: Sequence[Garment]
@@ -179,6 +189,7 @@ class Scene:
     friction_between: Mapping[tuple[str, str], float] = field(default_factory=dict)
     air: Air | None = None
     formats: Sequence[str] = ()
+    ground: bool | float = True
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -208,6 +219,8 @@ class Scene:
         _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
         _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
+        if not isinstance(self.ground, bool):
+            _check_number("ground", self.ground, low=-1000.0, high=1000.0, unit="m")
         _check_number("friction", self.friction, low=0.0, high=10.0)
         for pair, value in self.friction_between.items():
             if not isinstance(pair, tuple) or len(pair) != 2:

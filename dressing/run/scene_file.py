@@ -53,6 +53,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "remesh": ((bool, dict), "false: keep the mesh as it is; table: how it adapts to the folds"),
         "max_frames": (int, "frames after which the drape stops, instead of the quality's"),
         "gravity": (NUMBER, "downward acceleration [m/s^2], default 9.81"),
+        "ground": (
+            (bool, int, float),
+            "false: no floor under the feet of a body that stands; a number: height of the floor [m]",
+        ),
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: still air or wind on garments that follow a moving body"),
@@ -116,6 +120,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
         "units": (str, "m, cm or mm of a mesh file"),
         "up": (str, "y or z of a mesh file"),
+        "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
     },
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),
@@ -187,7 +192,7 @@ class _SceneReader:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
         plain = {
             key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "friction", "formats")
+            for key in ("quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats")
             if key in data
         }
         tables: dict[str, Any] = {
@@ -344,6 +349,7 @@ class _SceneReader:
             warp_angle=angle,
             units=values.get("units"),
             up=values.get("up"),
+            walls=values.get("walls", 1),
         )
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from toile.engine.step.options import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
-FailureKind = Literal["open_seams", "tangled", "not_sewn", "numerical", "motion", "crossing"]
+FailureKind = Literal[
+    "open_seams", "tangled", "not_sewn", "numerical", "motion", "crossing", "overstretched", "fell_off"
+]
 """What may go wrong; `batch.failure_classes` says in words what each means."""
 
 
@@ -45,6 +47,10 @@ class DrapeOptions:
         Per garment: may it touch itself and other garments? The search is left out when none may.
     persistent
         Whether seams that jam for good are left open; or the drape gives up.
+    ground
+        Height of the floor [m], or None.
+    most_work
+        As in `DrapePlan`.
     """
 
     edge_length: float
@@ -57,11 +63,16 @@ class DrapeOptions:
     pins: tuple[Int, ...] = ()
     self_contact: tuple[bool, ...] = ()
     persistent: bool = True
+    ground: float | None = None
+    most_work: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrameState:
-    """State of a drape after a frame; residual as in DrapeOptions.tolerance, seconds of wall time."""
+    """State of a drape after a frame; residual as in DrapeOptions.tolerance, seconds of wall time.
+
+    `doing` says in words what the drape is doing, and how far it is.
+    """
 
     frame: int
     faces: int
@@ -69,6 +80,7 @@ class FrameState:
     residual: float
     seconds: float
     max_frames: int
+    doing: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +95,15 @@ class Failure:
     message: str
     where: str = ""
     faces: tuple[Int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrainedPlace:
+    """A panel that is stretched a lot: largest strain [%], how many faces, and where, in words."""
+
+    percent: float
+    faces: int
+    where: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,6 +129,10 @@ class DrapeFigures:
         Smallest distance between cloth and avatar or cloth in the final frame [mm], None without contact.
     warp_strain_max, weft_strain_max, strain_p99
         Strain along the threads in the final frame: largest, and 99th percentile of both [%].
+    areas
+        Area of every garment as it hangs, and as it was cut [m^2].
+    strained
+        Panels with the largest strains over 50 %, the most first.
     residual
         How far from rest: RMS node motion over the last output frame [m].
     remeshings, splits, flips, collapses
@@ -136,6 +161,8 @@ class DrapeFigures:
     warp_strain_max: float
     weft_strain_max: float
     strain_p99: float
+    areas: tuple[tuple[float, float], ...]
+    strained: tuple[StrainedPlace, ...]
     residual: float
     remeshings: int
     splits: int
@@ -208,7 +235,8 @@ class DrapedGarment:
 class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
-    `gave_up`: its seams jammed, and on another mesh they may not. `cloth`, `step` and `pin_motion` are what a
+    `gave_up`: its seams jammed, and on another mesh they may not; `work`: faces times Newton iterations until
+    it settled. `cloth`, `step` and `pin_motion` are what a
     film continues with.
     """
 
@@ -220,4 +248,5 @@ class DrapeOutcome:
     step: "StepOptions"
     notes: tuple[str, ...] = ()
     gave_up: bool = False
+    work: int = 0
     pin_motion: VertexMotion | None = None

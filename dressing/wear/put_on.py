@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
 from toile.dressing.wear.assemble_cloth import assemble_cloth, pin_motion
 from toile.dressing.wear.drape_types import (
-    DrapedGarment,
     DrapeFigures,
     DrapeOptions,
     DrapeOutcome,
@@ -23,9 +23,11 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
-from toile.dressing.wear.strain import warp_weft_strain
+from toile.dressing.wear.taken_apart import taken_apart
+from toile.dressing.wear.watch import Watch, garment_areas, strained_places
 from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
@@ -33,6 +35,7 @@ from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.contact_pairs import BODY
+from toile.engine.forces.ground import Ground
 from toile.engine.step.options import StepOptions
 from toile.geometry.errors import InputError
 
@@ -51,6 +54,8 @@ LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
 LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
+SHUT = 1e-3
+"""Gap below which a stitch is shut, as progress counts [m]."""
 
 
 def drape(
@@ -78,23 +83,24 @@ def drape(
     for index, garment in enumerate(garments):
         own = replace(options, pins=options.pins[index : index + 1])
         parts.append(_put_on(form, [garment], own, reel, [part.cloth for part in parts]))
-        if parts[-1].gave_up or parts[-1].status == "cancelled":
+        if parts[-1].gave_up or parts[-1].status == "cancelled" or _is_over(parts[-1].failure):
             break
     worn = garments[: len(parts)]
+    watch = Watch(form.avatar.vertices, [mesh for mesh, _ in worn], form.place)
     run = Drape(
         worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
-        _plan(options, [fabric for _, fabric in worn]), reel.show,
+        _plan(options, [fabric for _, fabric in worn]), reel.showing(watch),
     )  # fmt: skip
     failure = next((part.failure for part in parts if part.failure is not None), None)
     run.record.cancelled = parts[-1].status == "cancelled"
-    if not (parts[-1].gave_up or run.record.cancelled):
-        failure = _broken_down(run, run.hang) or failure
+    if not (parts[-1].gave_up or run.record.cancelled or _is_over(failure)):
+        failure = _broken_down(run, run.hang, watch) or failure
     else:
         run.close_frame(0)
     notes = tuple(note for part in parts for note in part.notes)
-    outcome = _outcome(run, worn, failure, notes, form.place)
+    outcome = _outcome(run, worn, failure, notes, watch, form.place)
     return replace(
-        outcome, gave_up=parts[-1].gave_up,
+        outcome, gave_up=parts[-1].gave_up, work=sum(part.work for part in parts),
         figures=in_all([part.figures for part in parts], outcome.figures),
     )  # fmt: skip
 
@@ -108,14 +114,33 @@ class _Reel:
         self._started = time.perf_counter()
         self._frames = 0
 
-    def show(self, frame: Frame) -> bool:
+    def showing(self, watch: Watch) -> Callable[[Frame], bool]:
+        """Return the callback of a drape that is watched: it shows a frame, and may end the drape."""
+        return lambda frame: self._show(frame) and watch.see(frame)
+
+    def _show(self, frame: Frame) -> bool:
         state = FrameState(
             frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
             residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
-            max_frames=self._max_frames,
+            max_frames=self._max_frames, doing=_doing(frame),
         )  # fmt: skip
         self._frames += 1
         return self._on_frame(state)
+
+
+def _doing(frame: Frame) -> str:
+    """Say what a drape is doing in a frame, and how far it is."""
+    cloth = frame.cloth
+    if frame.phase == "sewing" and len(cloth.stitches):
+        ends = cloth.positions[cloth.stitches]
+        gaps = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+        apart = int(np.count_nonzero(gaps > SHUT))
+        return f"sewing, {apart} of {len(gaps)} stitches apart by up to {1e3 * gaps.max():.0f} mm"
+    if frame.phase == "settling":
+        return "settling"
+    if sum(map(len, (frame.crossings.avatar, frame.crossings.cloth))):
+        return f"untangling {len(frame.crossings.avatar) + len(frame.crossings.cloth)} crossings"
+    return "growing the body to its shape" if frame.phase == "growing" else "sewing"
 
 
 def _put_on(
@@ -144,19 +169,32 @@ def _put_on(
         layered, said = flared_outside(lifted)
         notes += said
         placed.append((layered, fabric))
-    meshes, said = clear_panels([mesh for mesh, _ in placed], obstacle)
+    meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
+    notes += said
+    meshes, said = clear_panels(meshes, obstacle)
     notes += said
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
-    run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
-    return _outcome(run, garments, _broken_down(run, run.run), tuple(notes), form.place)
+    watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
+    run = Drape(
+        cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.showing(watch)
+    )
+    return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch, form.place)
 
 
-def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
-    """Run a drape; return what happened if its numbers broke down."""
+def _is_over(failure: Failure | None) -> bool:
+    """Whether a failure leaves nothing to go on with."""
+    return failure is not None and failure.kind in ("overstretched", "fell_off")
+
+
+def _broken_down(run: Drape, phases: Callable[[], object], watch: Watch) -> Failure | None:
+    """Run a drape; return what happened if its numbers broke down, or if the watch stopped it."""
     try:
         phases()
+        if watch.failure is not None:
+            run.record.cancelled = False
+            return watch.failure
     except FloatingPointError as error:
         return Failure(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
@@ -180,6 +218,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
             friction=friction,
             slip=SLIP,
             self_contact=not options.self_contact or any(options.self_contact),
+            more_forces=() if options.ground is None else (partial(Ground.under, options.ground),),
         ),
         max_steps=options.max_frames * STEPS_PER_FRAME,
         rms_motion=options.tolerance,
@@ -188,6 +227,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
         late_stiffness=max(LEAST_LATE_STIFFNESS, LATE_STIFFNESS * options.edge_length),
         sizing=options.sizing,
         persistent=options.persistent,
+        most_work=options.most_work,
     )
 
 
@@ -196,12 +236,13 @@ def _outcome(
     garments: list[tuple[GarmentMesh, Fabric]],
     failure: Failure | None,
     notes: tuple[str, ...],
+    watch: Watch,
     place: Place,
 ) -> DrapeOutcome:
     """Read the outcome off a finished drape; `failure` is what broke it down, if anything did."""
     record, meshes = run.record, [mesh for mesh, _ in garments]
     if failure is None and not record.cancelled:
-        failure = _shortcoming(run, meshes, place)
+        failure = _shortcoming(run, meshes, place) or (None if record.gave_up else watch.at_end(run.cloth))
     status: Status = "frame_limit"
     if record.cancelled:
         status = "cancelled"
@@ -210,9 +251,9 @@ def _outcome(
     elif record.converged:
         status = "converged"
     return DrapeOutcome(
-        status=status, failure=failure, figures=_figures(run),
-        garments=taken_apart(run.cloth, len(garments)), cloth=run.cloth, step=run.plan.step, notes=notes,
-        gave_up=record.gave_up, pin_motion=pin_motion(meshes, run.cloth.origin),
+        status=status, failure=failure, figures=_figures(run, meshes, place),
+        garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]), cloth=run.cloth, step=run.plan.step, notes=notes,
+        gave_up=record.gave_up, work=record.work, pin_motion=pin_motion(meshes, run.cloth.origin),
     )  # fmt: skip
 
 
@@ -238,24 +279,36 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure
         return Failure(
             kind="open_seams",
             message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-            "the garment may be too small for this body, or cloth is in the way",
+            "the garment may be too small for this body, its panels may start across each other, or cloth is in "
+            "the way (place the panels named here farther apart, or check their seams)",
             where=", ".join(seams),
         )
     if run.phase != "settling":
         return Failure(
             kind="not_sewn",
-            message=f"the frame limit was reached while the garment was still {run.phase}; allow more frames",
+            message=_unfinished(run),
             where=f"frame {len(record.crossings) - 1}",
         )
     return None
 
 
-def _figures(run: Drape) -> DrapeFigures:
+def _unfinished(run: Drape) -> str:
+    """Say why a garment is not sewn yet."""
+    if run.record.steps < run.plan.max_steps:
+        return (
+            f"the garment jammed in several meshes, and in the last while it was still {run.phase}; place its "
+            "panels farther from the body and from each other, or check its size"
+        )
+    return f"the frame limit was reached while the garment was still {run.phase}; allow more frames"
+
+
+def _figures(run: Drape, meshes: list[GarmentMesh], place: Place) -> DrapeFigures:
     """Read the figures off a finished drape."""
     record = run.record
     settled = record.settled_crossings or record.crossings[-1:]
     last = record.crossings[-1]
     strain, smallest_gap = 100.0 * run.warp_weft_strain(), run.smallest_gap()
+    cut = np.bincount(run.cloth.garment, run.cloth.rest_area, len(meshes))
     counts = record.node_counts
     faces = [record.first_faces, *(entry.faces for entry in record.remeshings)]
     return DrapeFigures(
@@ -274,6 +327,8 @@ def _figures(run: Drape) -> DrapeFigures:
         warp_strain_max=float(strain[:, 0].max()),
         weft_strain_max=float(strain[:, 1].max()),
         strain_p99=float(np.quantile(strain, 0.99)),
+        areas=tuple(zip(garment_areas(run.cloth, len(meshes)), cut.tolist(), strict=True)),
+        strained=strained_places(run.cloth, meshes, place),
         residual=record.rms_motion,
         remeshings=len(record.remeshings),
         splits=sum(done.splits for done in record.remeshings),
@@ -283,28 +338,3 @@ def _figures(run: Drape) -> DrapeFigures:
         pop=record.pop,
         stage_seconds=run.clock.seconds,
     )
-
-
-def taken_apart(cloth: Cloth, count: int) -> list[DrapedGarment]:
-    """Take `count` garments apart again, nodes and material vertices renumbered per garment."""
-    draped, strain = [], warp_weft_strain(cloth)
-    for index in range(count):
-        own = cloth.garment == index
-        vertices, local = np.unique(cloth.faces[own], return_inverse=True)
-        nodes, node = np.unique(cloth.node[vertices], return_inverse=True)
-        material = local.reshape(-1, 3).astype(np.int32)
-        draped.append(
-            DrapedGarment(
-                positions=cloth.positions[nodes],
-                faces=node.astype(np.int32)[material],
-                faces_material=material,
-                uv=cloth.uv[vertices],
-                panel=cloth.panel[own],
-                velocities=cloth.velocities[nodes],
-                origin=None
-                if cloth.origin is None
-                else cloth.origin.of_garment(index, vertices, np.flatnonzero(own).astype(np.int32)),
-                strain=strain[own],
-            )
-        )
-    return draped

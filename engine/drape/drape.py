@@ -14,6 +14,9 @@ from toile.engine.drape.state import DrapeState
 from toile.engine.drape.tangles import close_late, relax_tangles
 from toile.engine.drape.unpicking import leave_open, sew_again
 
+HOPELESS = 0.15
+"""Gap of a stitch that no later phase closes [m]: they pull from 2 cm on, and less."""
+
 
 class Drape(DrapeState):
     """A drape in progress: call `run`.
@@ -37,6 +40,9 @@ class Drape(DrapeState):
         if self._can_go_back():
             sew_again(self)
             relax_tangles(self)
+        if self._is_hopeless():
+            self.close_frame(0)
+            return self.record
         self._put_on()
         if self._is_open() and self.remesh():
             # What does not close in coarse triangles may do so in finer ones.
@@ -75,6 +81,10 @@ class Drape(DrapeState):
     def _is_open(self) -> bool:
         """Whether stitches are open that can be seen."""
         return bool((self.gaps() > self.plan.closed_gap).any())
+
+    def _is_hopeless(self) -> bool:
+        """Whether seams gape so far after the last attempt that nothing will close them."""
+        return self.plan.persistent and bool((self.gaps() > HOPELESS).any())
 
     def _can_go_back(self) -> bool:
         """Whether cloth is tangled, and its seams can be unpicked."""

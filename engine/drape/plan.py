@@ -79,6 +79,8 @@ class DrapePlan:
     persistent
         Whether seams that jam for good are left open. Otherwise the drape gives up: the caller may start it
         on another mesh.
+    most_work
+        Faces times Newton iterations after which a garment that is still being put on is given up, or None.
     """
 
     step: StepOptions
@@ -112,6 +114,7 @@ class DrapePlan:
     cg_tolerance: float = 1e-2
     sizing: SizingOptions | None = None
     persistent: bool = True
+    most_work: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,10 +146,11 @@ class DrapeRecord:
     `crossings` counts crossing pairs (avatar, cloth) per audited frame; `settled_crossings` only those of
     output frames, in which the sewn garment settles. `node_counts` lists the sizes of its topologies. `pop`
     is how much farther a node moved in the step after a remeshing at rest than in the one before [m]; the
-    first such remeshing does not count.
+    first such remeshing does not count. `work` counts faces times Newton iterations until cloth settles.
     """
 
     steps: int = 0
+    work: int = 0
     newton_iterations: int = 0
     cg_iterations: int = 0
     contacts_max: int = 0

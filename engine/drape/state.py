@@ -87,8 +87,10 @@ class DrapeState(ClothRun):
         self.phase: Phase = "sewing" if len(cloth.stitches) else "growing" if growth else "settling"
 
     def over(self) -> bool:
-        """Whether the user cancelled or the step limit has come."""
-        return self.record.cancelled or self.record.steps >= self.plan.max_steps
+        """Whether the user cancelled, or the limit of steps or of work has come."""
+        record, most = self.record, self.plan.most_work
+        spent = most is not None and record.work >= most
+        return record.cancelled or record.steps >= self.plan.max_steps or spent
 
     def stopped(self) -> bool:
         """Whether the present phase must end: the drape is over, or tangles had their share of the steps.
@@ -184,6 +186,8 @@ class DrapeState(ClothRun):
         outcome = self.stepper.step(request)
         record = self.record
         record.steps += 1
+        if self.phase != "settling":
+            record.work += outcome.newton_iterations * len(self.cloth.faces)
         record.newton_iterations += outcome.newton_iterations
         record.cg_iterations += outcome.cg_iterations
         record.contacts_max = max(record.contacts_max, outcome.contacts)

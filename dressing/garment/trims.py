@@ -1,0 +1,135 @@
+"""Rigid trims: buttons, rivets and buckles that a garment file holds as shells of their own ride along with it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from toile.dressing.files.corner_surface import Surface
+from toile.geometry.arrays import Float, Int
+
+LARGEST = 0.08
+"""Largest diagonal of the box of a trim [m]: a belt buckle."""
+LARGEST_OPEN = 0.03
+"""The same of a shell with a border [m]: a flat button; larger ones may be cloth."""
+SMALLER = 0.2
+"""A trim is at most this large, in the diagonal of the piece it sits on."""
+REACH = 0.02
+"""A trim is at most this far from that piece [m]."""
+FEWEST = 4
+"""Faces of a trim at least: a loose triangle is cloth."""
+SMALLEST_PATCH = 0.01
+"""Least radius of the cloth that a trim follows [m]: a sewn button turns with its surroundings."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trims:
+    """Rigid pieces on a garment.
+
+    Attributes
+    ----------
+    positions
+        Vertices where the garment starts [m], shape (k, 3).
+    faces
+        Triangles into positions, shape (t, 3).
+    panel
+        Panel of every face, counted in the garment's panel names, shape (t,).
+    piece
+        Which trim a vertex belongs to, shape (k,).
+    seat
+        Place of the garment that each trim sits on [m], shape (p, 3).
+    """
+
+    positions: Float
+    faces: Int
+    panel: Int
+    piece: Int
+    seat: Float
+
+    def carried(self, start: Float, positions: Float) -> Float:
+        """Return where the vertices are, shape (k, 3) [m], once the garment has moved.
+
+        `start` and `positions` are where its material vertices started and where they are, shape (m, 3) [m].
+        Every trim moves as the cloth around its seat does on average, as a rigid body (Kabsch 1976).
+        """
+        moved = np.empty_like(self.positions)
+        for number, seat in enumerate(self.seat):
+            own = self.piece == number
+            size = max(SMALLEST_PATCH, 0.5 * float(np.linalg.norm(np.ptp(self.positions[own], axis=0))))
+            distance = np.linalg.norm(start - seat, axis=1)
+            # Coarse cloth has few vertices around: the nearest three define a place in any case.
+            reach = max(size, float(np.partition(distance, 2)[2]))
+            weight = np.exp(-((distance / reach) ** 2)) * (distance < 3.0 * reach)
+            weight /= weight.sum()
+            middle, centre = weight @ start, weight @ positions
+            spread = ((start - middle) * weight[:, None]).T @ (positions - centre)
+            moved[own] = (self.positions[own] - middle) @ _rotation(spread) + centre
+        return moved
+
+
+def _rotation(spread: Float) -> Float:
+    """Return the rotation, shape (3, 3), that turns rows so that they correlate best as `spread` says."""
+    u, _, v = np.linalg.svd(spread)
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))])
+    return np.asarray(u @ flip @ v)
+
+
+def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, ...]]:
+    """Take small shells that sit on a larger piece off a welded surface [m]; say how many and which."""
+    count = len(surface.positions)
+    ends = np.stack([surface.faces, np.roll(surface.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
+    shell = connected_components(graph, directed=False)[1][surface.faces[:, 0]]
+    shells, first, shell, faces_of = np.unique(
+        shell, return_index=True, return_inverse=True, return_counts=True
+    )
+    if len(shells) == 1:
+        return surface, None, ()
+    _, sides = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    lone = (np.bincount(sides.ravel()) == 1)[sides.ravel()].reshape(-1, 3).any(axis=1)
+    is_open = np.zeros(len(shells), bool)
+    is_open[shell[lone]] = True
+    low, high = np.full((2, len(shells), 3), np.inf)
+    for k in range(3):
+        np.minimum.at(low, shell, surface.positions[surface.faces[:, k]])
+        np.minimum.at(high, shell, -surface.positions[surface.faces[:, k]])
+    size = np.linalg.norm(-high - low, axis=1)
+    small = (size <= np.where(is_open, LARGEST_OPEN, LARGEST)) & (faces_of >= FEWEST)
+    if not small.any() or small.all():
+        return surface, None, ()
+    cloth_nodes = np.unique(surface.faces[~small[shell]])
+    base = np.zeros(count, np.int64)
+    base[surface.faces[:, 0]] = shell
+    base[surface.faces[:, 1]] = shell
+    base[surface.faces[:, 2]] = shell
+    spacing = float(np.median(np.linalg.norm(np.diff(surface.positions[ends], axis=1)[:, 0], axis=1)))
+    tree = cKDTree(surface.positions[cloth_nodes])
+    pieces, seats = [], []
+    for number in np.flatnonzero(small).tolist():
+        own = np.unique(surface.faces[shell == number])
+        distance, nearest = tree.query(surface.positions[own])
+        at = cloth_nodes[nearest[distance.argmin()]]
+        if distance.min() <= REACH + spacing and size[number] <= SMALLER * size[base[at]]:
+            pieces.append(number)
+            seats.append(surface.positions[own].mean(axis=0))
+    if not pieces:
+        return surface, None, ()
+    chosen = np.isin(shell, pieces)
+    nodes, local = np.unique(surface.faces[chosen], return_inverse=True)
+    faces = local.reshape(-1, 3).astype(np.int32)
+    piece = np.empty(len(nodes), np.int32)
+    piece[faces] = np.searchsorted(pieces, shell[chosen])[:, None]
+    trims = Trims(
+        positions=surface.positions[nodes], faces=faces, panel=surface.panel[chosen], piece=piece,
+        seat=np.array(seats),
+    )  # fmt: skip
+    rest = replace(
+        surface, faces=surface.faces[~chosen], uv_faces=surface.uv_faces[~chosen],
+        panel=surface.panel[~chosen], file_face=surface.file_face[~chosen],
+    )  # fmt: skip
+    numbers = surface.file_face[first[pieces]].tolist()
+    listed = ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
+    what = "a small shell rides" if len(pieces) == 1 else f"{len(pieces)} small shells ride"
+    return rest, trims, (f"{what} along as rigid trims, such as buttons (first faces: {listed})",)
