@@ -1,0 +1,122 @@
+"""Closed outlines cut at their corners, marks projected to edges, and a seam line inside a cut line."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from toile.dressing.pattern.pattern_outline import signed_area
+from toile.geometry.arrays import Float
+
+CORNER_DEGREES = 25.0
+"""Turn of an outline that makes a corner; curves of CAD programs turn by up to 14 degrees per point."""
+REACH = 0.003
+"""Over how much of the outline on either side a turn is measured at least [m]."""
+SAME_POINT = 1e-5
+TURN_POINT = 0.001
+"""How near a corner must be to a turn point, where the file marks those [m]."""
+
+
+def without_repeats(points: Float, *, closed: bool = True) -> Float:
+    """Return points without those that repeat the one before, nor the first at the end of a closed outline."""
+    kept = [points[0]]
+    for point in points[1:]:
+        if np.linalg.norm(point - kept[-1]) > SAME_POINT:
+            kept.append(point)
+    if closed and len(kept) > 1 and np.linalg.norm(kept[0] - kept[-1]) <= SAME_POINT:
+        kept.pop()
+    return np.array(kept)
+
+
+def counter_clockwise(outline: Float) -> Float:
+    """Return an outline in that direction."""
+    return outline if signed_area(outline) > 0.0 else np.ascontiguousarray(outline[::-1])
+
+
+def cut_at_corners(outline: Float, turn_points: Float | None = None) -> tuple[Float, ...]:
+    """Cut a closed outline [m], shape (n, 2), into edges from corner to corner, each with both its ends.
+
+    The first edge starts at the corner that comes first in the outline. One without corners is cut at its
+    first point.
+    """
+    turns = np.array([_turn(outline, index) for index in range(len(outline))])
+    is_corner = np.abs(turns) > np.radians(CORNER_DEGREES)
+    if turn_points is not None and len(turn_points):
+        apart = np.linalg.norm(outline[:, None] - turn_points[None], axis=2).min(axis=1)
+        is_corner &= apart < TURN_POINT
+    corners = _sharpest(outline, np.flatnonzero(is_corner), np.abs(turns))
+    if not len(corners):
+        corners = np.array([0])
+    edges = []
+    for first, last in zip(corners, np.roll(corners, -1), strict=True):
+        stop = last if last > first else last + len(outline)
+        edges.append(np.ascontiguousarray(outline[np.arange(first, stop + 1) % len(outline)]))
+    return tuple(edges)
+
+
+def nearest_on_edges(edges: Sequence[Float], point: Float) -> tuple[int, float, float]:
+    """Return the edge nearest to a point, how far along it from its start, and how far away [m]."""
+    best = (0, 0.0, np.inf)
+    for number, edge in enumerate(edges):
+        start, along = edge[:-1], np.diff(edge, axis=0)
+        squared = np.maximum((along**2).sum(axis=1), 1e-300)
+        t = np.clip(((point - start) * along).sum(axis=1) / squared, 0.0, 1.0)
+        away = np.linalg.norm(start + t[:, None] * along - point, axis=1)
+        index = int(away.argmin())
+        if away[index] < best[2]:
+            lengths = np.sqrt(squared)
+            best = (number, float(lengths[:index].sum() + t[index] * lengths[index]), float(away[index]))
+    return best
+
+
+def inset(edges: Sequence[Float], allowance: float, fold: int | None) -> tuple[Float, ...]:
+    """Return edges moved inwards by an allowance [m], the one on the fold left where it is.
+
+    Neighbours are lengthened or shortened along their end tangents until they meet.
+    """
+    moved = []
+    for number, edge in enumerate(edges):
+        direction = np.gradient(edge, axis=0)
+        direction /= np.maximum(np.linalg.norm(direction, axis=1), 1e-300)[:, None]
+        left = np.column_stack([-direction[:, 1], direction[:, 0]])
+        moved.append(edge + left * (0.0 if number == fold else allowance))
+    met = [edge.copy() for edge in moved]
+    for number in range(len(moved)):
+        after = (number + 1) % len(moved)
+        point = _meeting(moved[number], moved[after])
+        met[number][-1] = met[after][0] = point
+    return tuple(met)
+
+
+def _meeting(before: Float, after: Float) -> Float:
+    """Return where the last side of an edge and the first of the next one meet, both made longer."""
+    p, d = before[-1], before[-1] - before[-2]
+    q, e = after[0], after[1] - after[0]
+    cross = d[0] * e[1] - d[1] * e[0]
+    if abs(cross) < 0.05 * np.linalg.norm(d) * np.linalg.norm(e):
+        return np.asarray(0.5 * (p + q))
+    t = ((q - p)[0] * e[1] - (q - p)[1] * e[0]) / cross
+    return np.asarray(p + t * d)
+
+
+def _turn(outline: Float, index: int) -> float:
+    """Return the turn of an outline at a point [rad], measured over REACH on either side."""
+    back, ahead = _arm(outline, index, -1), _arm(outline, index, 1)
+    return float(np.arctan2(-back[0] * ahead[1] + back[1] * ahead[0], -(back @ ahead)))
+
+
+def _arm(outline: Float, index: int, step: int) -> Float:
+    """Return the way from a point to the first one that is REACH away, or to its neighbour if that is farther."""
+    for away in range(1, len(outline)):
+        arm = outline[(index + step * away) % len(outline)] - outline[index]
+        if np.linalg.norm(arm) >= REACH:
+            return np.asarray(arm)
+    return np.asarray(arm)
+
+
+def _sharpest(outline: Float, corners: Float, sharpness: Float) -> Float:
+    """Of corners closer than REACH to each other, keep the sharpest."""
+    kept: list[int] = []
+    for corner in sorted(corners.tolist(), key=lambda c: -sharpness[c]):
+        if all(np.linalg.norm(outline[corner] - outline[other]) > REACH for other in kept):
+            kept.append(corner)
+    return np.array(sorted(kept), dtype=np.int64)
