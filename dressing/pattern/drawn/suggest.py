@@ -1,0 +1,303 @@
+"""Seams that a drawn pattern may have, by lengths, corners, folds, mirrored twins and sums of edges; which are sure.
+
+A seam is sure if no other candidate wants one of its edges and nothing about it was a choice between equals.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from toile.dressing.pattern.drawn.candidate import (
+    Candidate,
+    EdgeKey,
+    Walk,
+    candidate_of,
+    edges_alike,
+    is_central,
+    meets_fold,
+    neighbour,
+    turn_after,
+)
+from toile.dressing.pattern.drawn.piece import DrawnPattern, Piece
+from toile.dressing.pattern.drawn.place import place_by_words
+from toile.dressing.pattern.seam import Seam
+from toile.geometry.arrays import Float
+
+LEAST = 0.015
+"""Shorter edges are not sewn by length [m]."""
+CAP_EASE = 0.10
+"""How much a sleeve cap may differ from its armhole."""
+SUM_TOLERANCE = 0.01
+CURVED = 1.03
+"""Length over chord of a crotch seam, at least."""
+DART_TURN = np.radians(100.0)
+"""Turn to the right at the tip of a dart, at least."""
+ALIKE = 0.003
+"""Shapes and notches that differ by less are no evidence [m]."""
+
+
+@dataclass(frozen=True)
+class Suggestions:
+    """All candidates, those that are sure, and questions about the rest, a sentence each."""
+
+    candidates: tuple[Candidate, ...]
+    sure: tuple[Seam, ...]
+    questions: tuple[str, ...]
+
+
+def suggest_seams(drawn: DrawnPattern) -> Suggestions:
+    """Return the seams that the pieces of a pattern may have."""
+    pieces = {piece.name: piece for piece in drawn.pieces}
+    darts = [c for piece in drawn.pieces for c in _darts(piece)]
+    taken = {key for dart in darts for key in dart.edges}
+    pairs = [
+        c for p, q in combinations(drawn.pieces, 2) for c in _pairs(p, q) if not c.edges & taken
+    ]
+    sums = [c for c in _sums(drawn.pieces, pairs) if not c.edges & taken]
+    summed = {key for c in sums for key in c.edges}
+    pairs = [c for c in pairs if not any(c.edges <= s.edges for s in sums) and not _takes_a_target(c, sums)]
+    own = [c for c in _own_mirrors(pieces, pairs) if not c.edges & summed]
+    mirrored = {key for c in own for key in c.edges}
+    pairs = [c for c in pairs if not c.edges & mirrored]
+    used = {key for c in (*pairs, *sums, *own, *darts) for key in c.edges}
+    tubes = [c for piece in drawn.pieces for c in _tubes(piece) if not c.edges & used]
+    candidates = (*darts, *own, *sums, *pairs, *tubes)
+    doubtful = _runs_around_corners(pairs, pieces)
+    sure, questions = [], []
+    for candidate in candidates:
+        rivals = [c for c in candidates if c is not candidate and c.edges & candidate.edges]
+        if candidate.doubt:
+            questions.append(f"{candidate.seam.name}   ({candidate.doubt})")
+        elif rivals:
+            questions.append(f"{candidate.seam.name}   (or {', '.join(c.seam.name for c in rivals)})")
+        elif candidate in doubtful:
+            questions.append(f"{candidate.seam.name}   (an opening, such as an armhole, is as likely)")
+        else:
+            sure.append(candidate.seam)
+    for piece in drawn.pieces:
+        if not any(piece.name == name for c in candidates for name, _ in c.edges):
+            questions.append(f"piece {piece.name}: nothing matches its edges")
+    return Suggestions(candidates, tuple(sure), tuple(questions))
+
+
+def _free(piece: Piece) -> list[int]:
+    return [n for n in range(len(piece.edges)) if n != piece.fold and piece.length(n) > LEAST]
+
+
+def _darts(piece: Piece) -> list[Candidate]:
+    """Return neighbouring edges of one length between which the outline turns back: the legs of a dart."""
+    found = []
+    for n in _free(piece):
+        after = (n + 1) % len(piece.edges)
+        if after != piece.fold and edges_alike(piece, n, piece, after) and turn_after(piece, n) < -DART_TURN:
+            found.append(candidate_of("dart", [Walk(piece, n, 1)], [Walk(piece, after, -1)]))
+    return [c for c in found if c is not None]
+
+
+def _pairs(p: Piece, q: Piece) -> list[Candidate]:
+    """Return edges of two pieces that are of one length, none from fold to fold nor across both middles."""
+    found = []
+    for i in _free(p):
+        for j in _free(q):
+            both_folded = meets_fold(p, i) and meets_fold(q, j)
+            both_central = is_central(p, i) and is_central(q, j)
+            if not edges_alike(p, i, q, j) or both_folded or both_central:
+                continue
+            same = _end_cost(p, i, q, j, same=True)
+            other = _end_cost(p, i, q, j, same=False)
+            directions = (1, -1) if same <= other else (-1, 1)
+            options = [candidate_of("pair", [Walk(p, i, 1)], [Walk(q, j, d)]) for d in directions]
+            # The worse direction stands in only where cloth cannot be sewn the better way.
+            best = options[0] or (options[1] if abs(same - other) < 0.1 else None)
+            if best is not None:
+                found.append(best)
+    return found
+
+
+def _end_cost(p: Piece, i: int, q: Piece, j: int, *, same: bool) -> float:
+    """Return how badly the ends of two edges match by what follows there, their starts together or not."""
+    total = 0.0
+    for step in (-1, 1):
+        a, b = neighbour(p, i, step), neighbour(q, j, step if same else -step)
+        if (a == p.fold) != (b == q.fold):
+            total += 1.0
+        elif a != p.fold:
+            total += abs(float(np.log(p.length(a) / q.length(b))))
+    marks_p = _marks(p, i)
+    marks_q = _marks(q, j) if same else [p.length(i) - m for m in reversed(_marks(q, j))]
+    if marks_p and len(marks_p) == len(marks_q):
+        total += 10.0 * max(abs(a - b) for a, b in zip(marks_p, marks_q, strict=True))
+    return total
+
+
+def _marks(piece: Piece, edge: int) -> list[float]:
+    return [along for number, along in piece.notches if number == edge]
+
+
+def _sums(pieces: Sequence[Piece], pairs: Sequence[Candidate]) -> list[Candidate]:
+    """Return edges as long as two or three others together, which are joined at their corners by other seams."""
+    chains: list[list[Walk]] = []
+    for pair in pairs:
+        chains += _beside(pair)
+    chains += [
+        [*first, *second[1:]] for first in chains for second in chains
+        if (first[-1].key, first[-1].way) == (second[0].key, second[0].way) and len({w.key for w in (*first, *second)}) == 3
+    ]  # fmt: skip
+    found: dict[tuple[frozenset[EdgeKey], EdgeKey], Candidate] = {}
+    for target in pieces:
+        cap = place_by_words(target.words) == "sleeve"
+        for edge in _free(target):
+            best: list[tuple[float, list[Walk]]] = []
+            for chain in chains:
+                if any(walk.piece is target for walk in chain):
+                    continue
+                total = sum(walk.piece.length(walk.edge) for walk in chain)
+                off = abs(total - target.length(edge)) / target.length(edge)
+                if off < (CAP_EASE if cap and is_central(target, edge) else SUM_TOLERANCE):
+                    best.append((off, chain))
+            for _, chain in sorted(best, key=lambda entry: (round(entry[0], 4), -len(entry[1]))):
+                key = frozenset(walk.key for walk in chain), (target.name, edge)
+                candidate = _sum(target, edge, chain)
+                if candidate is not None and key not in found:
+                    found[key] = candidate
+    # Three beat two of them: a yoke between front and back.
+    return [
+        c for c in found.values()
+        if not any(c.edges < other.edges for other in found.values())
+    ]  # fmt: skip
+
+
+def _beside(pair: Candidate) -> list[list[Walk]]:
+    """Return walks from one piece into the other past the ends of a seam, along the edges beside it."""
+    (a,), (b,) = pair.walks
+    chains = []
+    for end in (-1, 1):
+        first, second = neighbour(a.piece, a.edge, end), neighbour(b.piece, b.edge, end * b.way)
+        if first == a.piece.fold or second == b.piece.fold:
+            continue
+        # Towards the corner where the seam ends, then away from it on the other piece.
+        into = Walk(a.piece, first, -end, a.mirrored)
+        out = Walk(b.piece, second, end * b.way, b.mirrored)
+        chains.append([into, out])
+        chains.append([out.turned(), into.turned()])
+    return chains
+
+
+def _sum(target: Piece, edge: int, chain: list[Walk]) -> Candidate | None:
+    """Return the seam of an edge to a chain of others, in the direction that notches and front and back ask for."""
+    way = _way_along(target, edge, chain)
+    doubt = ""
+    if way == 0:
+        front_first = place_by_words(chain[0].piece.words) != "back"
+        way = 1 if front_first else -1
+        if _asymmetry(target.edges[edge]) > ALIKE:
+            doubt = "which end of it is the front is a guess: its notches do not say"
+    found = candidate_of("sum", [Walk(target, edge, way)], chain)
+    if found is not None and way < 0:
+        found = found.turned()
+    return None if found is None else found.with_doubt(doubt)
+
+
+def _way_along(target: Piece, edge: int, chain: list[Walk]) -> int:
+    """Return in which direction an edge's notches match those of a chain; 0 if they do not say."""
+    marks, walked = _marks(target, edge), 0.0
+    theirs: list[float] = []
+    for walk in chain:
+        length = walk.piece.length(walk.edge)
+        own = [m if walk.way > 0 else length - m for m in _marks(walk.piece, walk.edge)]
+        theirs += [walked + m for m in sorted(own)]
+        walked += length
+    if not marks or len(marks) != len(theirs):
+        return 0
+    scaled = np.array(theirs) * target.length(edge) / walked
+    forwards = float(np.abs(np.array(sorted(marks)) - scaled).max())
+    back = float(np.abs(np.sort(target.length(edge) - np.array(marks)) - scaled).max())
+    return 0 if abs(forwards - back) < ALIKE else (1 if forwards < back else -1)
+
+
+def _asymmetry(edge: Float) -> float:
+    """Return how far an edge is from its own mirror image [m]."""
+    walked = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(edge, axis=0), axis=1))])
+    at = np.linspace(0.0, walked[-1], 65)
+    points = np.column_stack([np.interp(at, walked, edge[:, axis]) for axis in (0, 1)])
+    chord = points[-1] - points[0]
+    along = (points - points[0]) @ chord / np.linalg.norm(chord)
+    off = (points - points[0]) @ np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)
+    return float(max(np.abs(off - off[::-1]).max(), np.abs(along + along[::-1] - along[-1]).max()))
+
+
+def _takes_a_target(pair: Candidate, sums: Sequence[Candidate]) -> bool:
+    """Tell whether a pair wants the edge that a sum fits."""
+    return any(walk.key in pair.edges for total in sums for walk in total.walks[0])
+
+
+def _own_mirrors(pieces: dict[str, Piece], pairs: Sequence[Candidate]) -> list[Candidate]:
+    """Return seams of pieces to their own twins: of two pairs, the most curved edges that match (the crotch)."""
+    found: list[Candidate] = []
+    twins = [
+        (a, b) for pair in pairs for (a,), (b,) in [pair.walks] if a.piece.pair and b.piece.pair
+        and "sleeve" not in (place_by_words(a.piece.words), place_by_words(b.piece.words))
+    ]  # fmt: skip
+    for names in sorted({(a.piece.name, b.piece.name) for a, b in twins}):
+        both = [(a, b) for a, b in twins if (a.piece.name, b.piece.name) == names]
+        for side in range(2):
+            walk = max((pair[side] for pair in both), key=_curvature)
+            if _curvature(walk) > CURVED:
+                own = candidate_of("twin", [Walk(walk.piece, walk.edge, 1)], [Walk(walk.piece, walk.edge, 1)])
+                if own is not None and own.edges not in [c.edges for c in found]:
+                    found.append(own)
+    return found
+
+
+def _curvature(walk: Walk) -> float:
+    edge = walk.piece.edges[walk.edge]
+    return walk.piece.length(walk.edge) / float(np.linalg.norm(edge[-1] - edge[0]))
+
+
+def _tubes(piece: Piece) -> list[Candidate]:
+    """Return edges of one piece that are of one length and mirror each other: a sleeve's underarm seam."""
+    found = []
+    count = len(piece.edges)
+    for i, j in combinations(_free(piece), 2):
+        apart = (j - i) % count not in (1, count - 1)
+        if piece.fold is None and apart and edges_alike(piece, i, piece, j):
+            middles = [(i + j) // 2 if (i + j) % 2 == 0 else -1]
+            if any(m >= 0 and is_central(piece, m) for m in middles):
+                found.append(candidate_of("tube", [Walk(piece, i, 1)], [Walk(piece, j, -1)]))
+    return [c for c in found if c is not None]
+
+
+def _runs_around_corners(pairs: Sequence[Candidate], pieces: dict[str, Piece]) -> list[Candidate]:
+    """Return seams of the same two pieces that follow each other around a corner.
+
+    Of three in a row the middle one is in doubt, of two both.
+    """
+    doubtful = []
+    for pair in pairs:
+        (a,), (b,) = pair.walks
+        sides = []
+        for end in (-1, 1):
+            beside = {
+                (a.piece.name, neighbour(a.piece, a.edge, end)),
+                (b.piece.name, neighbour(b.piece, b.edge, end * b.way)),
+            }
+            sides.append(next((other for other in pairs if other.edges == beside), None))
+        neighbours = [other for other in sides if other is not None]
+        if len(neighbours) == 2 or (neighbours and not _is_end_of_three(pair, neighbours[0], pairs)):
+            doubtful.append(pair)
+    return doubtful
+
+
+def _is_end_of_three(pair: Candidate, middle: Candidate, pairs: Sequence[Candidate]) -> bool:
+    """Tell whether a seam's neighbour has a neighbour on its other side as well."""
+    (a,), (b,) = middle.walks
+    for end in (-1, 1):
+        beside = {
+            (a.piece.name, neighbour(a.piece, a.edge, end)),
+            (b.piece.name, neighbour(b.piece, b.edge, end * b.way)),
+        }
+        if any(other.edges == beside for other in pairs if other is not pair):
+            return True
+    return False
