@@ -12,8 +12,13 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
-from toile.dressing.garment.readers import read_garment
+from toile.dressing.garment.readers import is_registered, read_garment
 from toile.dressing.pattern.drafts import built_in
+from toile.dressing.pattern.drawn.place import placed_pattern
+from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions, told_or_sure
+from toile.dressing.pattern.garmentcode import check_pattern
+from toile.dressing.pattern.pattern import Pattern
+from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
@@ -94,11 +99,38 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         )
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
-    found = read_garment(source) if isinstance(source, Path) else built_in(source, form.measurements)
+    if isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS and not is_registered(source):
+        found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
+    elif isinstance(source, Path):
+        found = read_garment(source)
+    else:
+        found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
         return found
+    if isinstance(garment.seams, tuple) and not (isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS):
+        found = with_seams(found, garment.seams)
     return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+
+
+def _drawn_pattern(source: Path, garment: ResolvedGarment, form: DressForm) -> Pattern:
+    """Return a pattern that is drawn without seams, sewn as told or as is sure, placed on the body."""
+    options = DrawnOptions(
+        size=garment.size, units=garment.units, allowance=garment.allowance, seams=garment.seams
+    )
+    said = told_or_sure(source, options)
+    pattern = placed_pattern(said.drawn, form.measurements, said.places, said.worn)
+    check_pattern(pattern)
+    return pattern
+
+
+def with_seams(pattern: Pattern, texts: tuple[str, ...]) -> Pattern:
+    """Return a pattern with seams added. Raises InputError if one cannot be read or sewn."""
+    with about(field="seams"):
+        seams = tuple(read_seam(text, f"{pattern.name}: seams") for text in texts)
+        added = replace(pattern, seams=(*pattern.seams, *seams))
+        check_pattern(added)
+    return added
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.suggestion import unknown_name
@@ -32,8 +33,10 @@ class ResolvedGarment:
         What it is made from.
     fabric
         Its fabric, checked.
-    self_contact, pins, warp_angle, units, up
+    self_contact, pins, warp_angle, units, up, size, allowance
         As in `Garment`.
+    seams
+        A seams file, seams as texts, or None.
     """
 
     name: str
@@ -44,6 +47,9 @@ class ResolvedGarment:
     warp_angle: float | Mapping[str, float]
     units: str | None
     up: str | None
+    size: str | None = None
+    allowance: float | None = None
+    seams: Path | tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +117,7 @@ def resolve(scene: Scene) -> ResolvedScene:
             ResolvedGarment(
                 name=name, source=source, fabric=fabric, self_contact=garment.self_contact, pins=garment.pins,
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
+                size=garment.size, allowance=garment.allowance, seams=_seams(garment),
             )
             for garment, name, source, fabric in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, strict=True
@@ -129,6 +136,19 @@ def resolve(scene: Scene) -> ResolvedScene:
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
     )  # fmt: skip
+
+
+def _seams(garment: Garment) -> Path | tuple[str, ...] | None:
+    """Return a garment's seams file or seams. Raises InputError if a length or a text is none."""
+    allowance = garment.allowance
+    if allowance is not None and not (isinstance(allowance, int | float) and 0.0 <= allowance < 0.2):
+        raise InputError(
+            f"allowance must lie between 0 and 0.2 m, got {allowance!r}", field="allowance",
+            garment=default_name(garment),
+        )  # fmt: skip
+    if garment.seams is None or isinstance(garment.seams, str | Path):
+        return None if garment.seams is None else Path(garment.seams)
+    return tuple(garment.seams)
 
 
 def _fabric_of(garment: Garment, scene: Scene) -> Fabric:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from toile.dressing.pattern.drawn.piece import Notch
 from toile.dressing.pattern.pattern_outline import signed_area
 from toile.geometry.arrays import Float
 
@@ -14,6 +15,10 @@ REACH = 0.003
 SAME_POINT = 1e-5
 TURN_POINT = 0.001
 """How near a corner must be to a turn point, where the file marks those [m]."""
+FARTHEST_NOTCH = 0.03
+"""A mark farther from the outline is none of its notches [m]."""
+ONE_NOTCH = 0.004
+"""Marks closer along an edge are one double notch [m]."""
 
 
 def without_repeats(points: Float, *, closed: bool = True) -> Float:
@@ -120,3 +125,47 @@ def _sharpest(outline: Float, corners: Float, sharpness: Float) -> Float:
         if all(np.linalg.norm(outline[corner] - outline[other]) > REACH for other in kept):
             kept.append(corner)
     return np.array(sorted(kept), dtype=np.int64)
+
+
+def projected_notches(
+    edges: Sequence[Float], marks: Sequence[Float], back: Sequence[bool] | None = None
+) -> tuple[Notch, ...]:
+    """Return marks as notches of edges, those on corners and repeated ones left out; `back` says which are of a back."""
+    found: list[Notch] = []
+    for mark, is_back in zip(marks, back or [False] * len(marks), strict=True):
+        edge, along, away = nearest_on_edges(edges, mark)
+        length = float(np.linalg.norm(np.diff(edges[edge], axis=0), axis=1).sum())
+        if away >= FARTHEST_NOTCH or not ONE_NOTCH < along < length - ONE_NOTCH:
+            continue
+        twin = next(
+            (n for n, other in enumerate(found) if other.edge == edge and abs(other.along - along) < ONE_NOTCH),
+            None,
+        )
+        if twin is None:
+            found.append(Notch(edge, along, is_back))
+        else:
+            found[twin] = Notch(edge, 0.5 * (found[twin].along + along), is_back)
+    return tuple(sorted(found))
+
+
+def distance_to_line(line: Float, point: Float) -> float:
+    along = line[1] - line[0]
+    cross = along[0] * (point - line[0])[1] - along[1] * (point - line[0])[0]
+    return float(abs(cross) / np.linalg.norm(along))
+
+
+def edge_on_line(edges: Sequence[Float], line: Float | None) -> int | None:
+    """Return the longest edge all of whose points lie on a line."""
+    if line is None:
+        return None
+    on = [n for n, edge in enumerate(edges) if max(distance_to_line(line, point) for point in edge) < 2e-3]
+    return max(on, key=lambda n: float(np.linalg.norm(edges[n][-1] - edges[n][0])), default=None)
+
+
+def warp_of_line(grain: Float | None) -> float:
+    """Return the direction of the grain line from +y, within -90 and 90 degrees."""
+    if grain is None:
+        return 0.0
+    x, y = grain[-1] - grain[0]
+    degrees = float(np.degrees(np.arctan2(-x, y)))
+    return degrees - 180.0 * round(degrees / 180.0)

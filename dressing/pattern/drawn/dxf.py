@@ -10,8 +10,11 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.pattern.drawn.corners import (
     counter_clockwise,
     cut_at_corners,
+    distance_to_line,
+    edge_on_line,
     inset,
-    nearest_on_edges,
+    projected_notches,
+    warp_of_line,
     without_repeats,
 )
 from toile.dressing.pattern.drawn.dxf_entities import Block, DxfFile, Entity, read_dxf
@@ -29,10 +32,6 @@ GAP = 0.001
 """Open polylines of an outline whose ends are farther apart leave it open [m]."""
 LEAST_AREA = 1e-5
 """Smallest piece [m^2]."""
-FARTHEST_NOTCH = 0.03
-"""A mark farther from the outline is none of its notches [m]."""
-ONE_NOTCH = 0.004
-"""Marks closer along an edge are one double notch [m]."""
 
 
 def read_dxf_pattern(
@@ -95,7 +94,7 @@ def _metres(file: str, drawing: DxfFile, units: str | None) -> float:
             return METRES["in"] if word in ("ENGLISH", "INCH", "INCHES") else METRES["mm"]
     if name := INSUNITS.get(drawing.header.get("$INSUNITS", "").strip()):
         return METRES[name]
-    raise InputError(f"{file}: does not say its units; give them (--units mm, cm or in)", field="units")
+    raise InputError(f"{file}: does not say its units; give them (--pattern-units mm, cm or in)", field="units")
 
 
 def _of_size(
@@ -172,7 +171,7 @@ def _piece(
             "give it (--allowance 10mm, or 0 if the outline is the sew line)",
             field="allowance",
         )
-    fold = _on_line(cut if sew is None else sew, mirror)
+    fold = edge_on_line(cut if sew is None else sew, mirror)
     edges = inset(cut, allowance or 0.0, fold) if sew is None else sew
     grain = next((e.points for e in layers.get(GRAIN, []) if e.kind == "LINE"), None)
     texts = [e.text for e in layers.get("15", []) if e.kind == "TEXT"]
@@ -181,8 +180,8 @@ def _piece(
         edges=edges,
         fold=fold,
         pair=fold is None and _is_pair(words.get("QUANTITY", "")),
-        notches=_notches(edges, layers.get(NOTCH, []), metres),
-        warp_degrees=_warp(grain),
+        notches=projected_notches(edges, [e.points[0] * metres for e in layers.get(NOTCH, []) if len(e.points)]),
+        warp_degrees=warp_of_line(grain),
         words=" ".join([block.name, *words.values(), *texts]),
         lines=tuple(
             e.points * metres
@@ -233,7 +232,7 @@ def _loop(
         edges.append(following[::-1] if turn else following)
     gap = float(np.linalg.norm(edges[0][0] - edges[-1][-1]))
     if gap > GAP:
-        if mirror is None or max(_away(mirror, edges[0][0]), _away(mirror, edges[-1][-1])) > 2e-3:
+        if mirror is None or max(distance_to_line(mirror, edges[0][0]), distance_to_line(mirror, edges[-1][-1])) > 2e-3:
             raise _open(where, edges[-1][-1], gap)
         edges.append(np.array([edges[-1][-1], edges[0][0]]))
     ends = [edge[0] for edge in edges]
@@ -287,50 +286,9 @@ def _mirror_line(layers: dict[str, list[Entity]], metres: float) -> Float | None
     return lines[0][[0, -1]] if lines else None
 
 
-def _away(line: Float, point: Float) -> float:
-    along = line[1] - line[0]
-    cross = along[0] * (point - line[0])[1] - along[1] * (point - line[0])[0]
-    return float(abs(cross) / np.linalg.norm(along))
-
-
-def _on_line(edges: Sequence[Float], line: Float | None) -> int | None:
-    """Return the longest edge all of whose points lie on a line."""
-    if line is None:
-        return None
-    on = [n for n, edge in enumerate(edges) if max(_away(line, point) for point in edge) < 2e-3]
-    return max(on, key=lambda n: float(np.linalg.norm(edges[n][-1] - edges[n][0])), default=None)
-
-
 def _is_pair(quantity: str) -> bool:
     """Tell whether a quantity means a mirrored pair: "1,1" as drawn and mirrored, or "2"."""
     numbers = [int(n) for n in re.findall(r"\d+", quantity)]
     if len(numbers) > 1 and "," in quantity:
         return numbers[1] > 0
     return bool(numbers) and numbers[0] == 2
-
-
-def _warp(grain: Float | None) -> float:
-    """Return the direction of the grain line from +y, within -90 and 90 degrees."""
-    if grain is None:
-        return 0.0
-    x, y = grain[-1] - grain[0]
-    degrees = float(np.degrees(np.arctan2(-x, y)))
-    return degrees - 180.0 * round(degrees / 180.0)
-
-
-def _notches(edges: Sequence[Float], marks: Sequence[Entity], metres: float) -> tuple[tuple[int, float], ...]:
-    """Return marks projected to the sew line, those on corners and repeated ones left out."""
-    found: list[tuple[int, float]] = []
-    for mark in marks:
-        if mark.kind not in ("POINT", "LINE"):
-            continue
-        edge, along, away = nearest_on_edges(edges, mark.points[0] * metres)
-        length = float(np.linalg.norm(np.diff(edges[edge], axis=0), axis=1).sum())
-        on_edge = ONE_NOTCH < along < length - ONE_NOTCH
-        if away < FARTHEST_NOTCH and on_edge:
-            twin = next((n for n, (e, s) in enumerate(found) if e == edge and abs(s - along) < ONE_NOTCH), None)
-            if twin is None:
-                found.append((edge, along))
-            else:
-                found[twin] = (edge, 0.5 * (found[twin][1] + along))
-    return tuple(sorted(found))

@@ -1,6 +1,7 @@
 """A piece of a pattern as it is drawn: half where it is cut on the fold, once where it is cut as a mirrored pair."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,14 @@ from toile.geometry.arrays import Float
 
 MIRRORED = "~"
 """What follows the name of a piece where its mirrored half or its mirrored twin is meant."""
+
+
+class Notch(NamedTuple):
+    """A mark that seams match: its edge, its distance from the edge's start [m], and whether it means the back."""
+
+    edge: int
+    along: float
+    back: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +37,7 @@ class Piece:
     pair
         Whether it is cut twice, the second time mirrored.
     notches
-        Marks to be matched: edge, and distance from its start [m].
+        Marks to be matched.
     warp_degrees
         Direction of the grain line, counter-clockwise from +y.
     words
@@ -41,7 +50,7 @@ class Piece:
     edges: tuple[Float, ...]
     fold: int | None = None
     pair: bool = False
-    notches: tuple[tuple[int, float], ...] = ()
+    notches: tuple[Notch, ...] = ()
     warp_degrees: float = 0.0
     words: str = ""
     lines: tuple[Float, ...] = ()

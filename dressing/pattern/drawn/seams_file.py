@@ -24,6 +24,7 @@ Place = Literal["front", "back", "sleeve", "waistband", "collar"]
 """Where a piece goes."""
 Worn = Literal["top", "bottom"]
 """Whether a garment hangs from the shoulders or sits on the waist."""
+_KEYS = ("open", "seams", "worn", "piece")
 _PIECE_KEYS = {"fold": int, "pair": bool, "place": str}
 
 
@@ -58,8 +59,13 @@ def apply_seams_file(drawn: DrawnPattern, path: Path) -> Told:
         return InputError(f"{where}: {message}", file=path, field=".".join(map(str, key)))
 
     for key in data:
-        if key not in ("seams", "piece", "worn"):
-            raise wrong((key,), unknown_name("key", key, ["seams", "piece", "worn"]))
+        if key not in _KEYS:
+            raise wrong((key,), unknown_name("key", key, _KEYS))
+    if data.get("open"):
+        raise wrong(
+            ("open",),
+            f"{data['open']} questions about seams are open; answer them in the file and remove the line 'open'",
+        )
     worn = data.get("worn")
     if worn is not None and worn not in get_args(Worn):
         raise wrong(("worn",), f"worn must be {' or '.join(get_args(Worn))}, got {worn!r}")
@@ -112,6 +118,7 @@ def seams_toml(drawn: DrawnPattern, seams: Sequence[Seam], open_questions: Seque
         "# What stands left of '=' is walked with the loop, right of it against; '-' turns an edge around.",
         "# Numbers are in the picture beside this file. A seam of one side is sewn on the other side too.",
         "",
+        *([f"open = {len(open_questions)}   # remove this line once the questions below are answered"] if open_questions else []),
         "seams = [",
         *(f'    "{seam.name}",' for seam in seams),
         "]",

@@ -3,7 +3,7 @@
 A seam is sure if no other candidate wants one of its edges and nothing about it was a choice between equals.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -34,6 +34,8 @@ CURVED = 1.03
 """Length over chord of a crotch seam, at least."""
 DART_TURN = np.radians(100.0)
 """Turn to the right at the tip of a dart, at least."""
+UNLIKE_ENDS = 0.6
+"""Sum of the logarithms of ratios of the lengths beside a seam's ends from which it is in doubt."""
 ALIKE = 0.003
 """Shapes and notches that differ by less are no evidence [m]."""
 
@@ -55,9 +57,10 @@ def suggest_seams(drawn: DrawnPattern) -> Suggestions:
     pairs = [
         c for p, q in combinations(drawn.pieces, 2) for c in _pairs(p, q) if not c.edges & taken
     ]
-    sums = [c for c in _sums(drawn.pieces, pairs) if not c.edges & taken]
+    sums = [c for c in _sums(drawn.pieces, pairs, _legs(darts)) if not c.edges & taken]
     summed = {key for c in sums for key in c.edges}
     pairs = [c for c in pairs if not any(c.edges <= s.edges for s in sums) and not _takes_a_target(c, sums)]
+    pairs = [c for c in pairs if not _joins_two_sleeves(c, sums)]
     own = [c for c in _own_mirrors(pieces, pairs) if not c.edges & summed]
     mirrored = {key for c in own for key in c.edges}
     pairs = [c for c in pairs if not c.edges & mirrored]
@@ -76,10 +79,33 @@ def suggest_seams(drawn: DrawnPattern) -> Suggestions:
             questions.append(f"{candidate.seam.name}   (an opening, such as an armhole, is as likely)")
         else:
             sure.append(candidate.seam)
-    for piece in drawn.pieces:
-        if not any(piece.name == name for c in candidates for name, _ in c.edges):
-            questions.append(f"piece {piece.name}: nothing matches its edges")
+    questions += _about_pieces(drawn, candidates)
     return Suggestions(candidates, tuple(sure), tuple(questions))
+
+
+def _about_pieces(drawn: DrawnPattern, candidates: Sequence[Candidate]) -> list[str]:
+    """Return what is open about pieces: those that nothing fits, and which may be halves on the fold."""
+    questions = []
+    for piece in drawn.pieces:
+        if any(piece.name == name for c in candidates for name, _ in c.edges):
+            continue
+        said = f"piece {piece.name}: nothing matches its edges"
+        fold = None if piece.mirrors else _likely_fold(piece)
+        questions.append(said if fold is None else f"{said}; if it is a half, say fold = {fold} below")
+    return questions
+
+
+def _likely_fold(piece: Piece) -> int | None:
+    """Return the longest straight edge along the grain, None if there is none."""
+    warp = np.radians(piece.warp_degrees)
+    across = np.array([np.cos(warp), np.sin(warp)])
+    straight = []
+    for n, edge in enumerate(piece.edges):
+        chord = edge[-1] - edge[0]
+        length = float(np.linalg.norm(chord))
+        if piece.length(n) < 1.0005 * length and abs(float(chord @ across)) < 0.02 * length:
+            straight.append((length, n))
+    return max(straight)[1] if straight else None
 
 
 def _free(piece: Piece) -> list[int]:
@@ -112,7 +138,9 @@ def _pairs(p: Piece, q: Piece) -> list[Candidate]:
             # The worse direction stands in only where cloth cannot be sewn the better way.
             best = options[0] or (options[1] if abs(same - other) < 0.1 else None)
             if best is not None:
-                found.append(best)
+                sleeve = "sleeve" in (place_by_words(p.words), place_by_words(q.words))
+                doubt = "what follows at its ends differs" if sleeve or min(same, other) > UNLIKE_ENDS else ""
+                found.append(best.with_doubt(doubt))
     return found
 
 
@@ -133,17 +161,40 @@ def _end_cost(p: Piece, i: int, q: Piece, j: int, *, same: bool) -> float:
 
 
 def _marks(piece: Piece, edge: int) -> list[float]:
-    return [along for number, along in piece.notches if number == edge]
+    return [notch.along for notch in piece.notches if notch.edge == edge]
 
 
-def _sums(pieces: Sequence[Piece], pairs: Sequence[Candidate]) -> list[Candidate]:
+def _legs(darts: Sequence[Candidate]) -> dict[EdgeKey, int]:
+    """Return the other leg of the dart of every leg."""
+    legs: dict[EdgeKey, int] = {}
+    for dart in darts:
+        (a,), (b,) = dart.walks
+        legs |= {a.key: b.edge, b.key: a.edge}
+    return legs
+
+
+def _past_darts(walk: Walk, step: int, legs: Mapping[EdgeKey, int]) -> list[Walk]:
+    """Return a walk and what follows it (step 1) or comes before it (-1) once darts are closed."""
+    found = [walk]
+    while True:
+        edge = neighbour(walk.piece, found[-1].edge, step * walk.way)
+        if (walk.piece.name, edge) not in legs:
+            return found if step > 0 else found[::-1]
+        beyond = neighbour(walk.piece, edge, 2 * step * walk.way)
+        found.append(Walk(walk.piece, beyond, walk.way, walk.mirrored))
+
+
+def _sums(
+    pieces: Sequence[Piece], pairs: Sequence[Candidate], legs: Mapping[EdgeKey, int]
+) -> list[Candidate]:
     """Return edges as long as two or three others together, which are joined at their corners by other seams."""
     chains: list[list[Walk]] = []
     for pair in pairs:
-        chains += _beside(pair)
+        for into, out in _beside(pair):
+            chains.append([*_past_darts(into, -1, legs), *_past_darts(out, 1, legs)])
     chains += [
         [*first, *second[1:]] for first in chains for second in chains
-        if (first[-1].key, first[-1].way) == (second[0].key, second[0].way) and len({w.key for w in (*first, *second)}) == 3
+        if (first[-1].key, first[-1].way) == (second[0].key, second[0].way) and len({w.key for w in (*first, *second)}) == len(first) + len(second) - 1
     ]  # fmt: skip
     found: dict[tuple[frozenset[EdgeKey], EdgeKey], Candidate] = {}
     for target in pieces:
@@ -155,7 +206,9 @@ def _sums(pieces: Sequence[Piece], pairs: Sequence[Candidate]) -> list[Candidate
                     continue
                 total = sum(walk.piece.length(walk.edge) for walk in chain)
                 off = abs(total - target.length(edge)) / target.length(edge)
-                if off < (CAP_EASE if cap and is_central(target, edge) else SUM_TOLERANCE):
+                ends_folded = any(meets_fold(walk.piece, walk.edge) for walk in (chain[0], chain[-1]))
+                round_cap = cap and _curvature(Walk(target, edge, 1)) > CURVED
+                if ends_folded == meets_fold(target, edge) and off < (CAP_EASE if round_cap else SUM_TOLERANCE):
                     best.append((off, chain))
             for _, chain in sorted(best, key=lambda entry: (round(entry[0], 4), -len(entry[1]))):
                 key = frozenset(walk.key for walk in chain), (target.name, edge)
@@ -194,26 +247,31 @@ def _sum(target: Piece, edge: int, chain: list[Walk]) -> Candidate | None:
         way = 1 if front_first else -1
         if _asymmetry(target.edges[edge]) > ALIKE:
             doubt = "which end of it is the front is a guess: its notches do not say"
-    found = candidate_of("sum", [Walk(target, edge, way)], chain)
-    if found is not None and way < 0:
-        found = found.turned()
+    if way < 0:
+        chain = [walk.turned() for walk in reversed(chain)]
+    found = candidate_of("sum", [Walk(target, edge, 1)], chain)
     return None if found is None else found.with_doubt(doubt)
 
 
 def _way_along(target: Piece, edge: int, chain: list[Walk]) -> int:
     """Return in which direction an edge's notches match those of a chain; 0 if they do not say."""
-    marks, walked = _marks(target, edge), 0.0
-    theirs: list[float] = []
+    walked = 0.0
+    theirs: list[tuple[float, bool]] = []
     for walk in chain:
         length = walk.piece.length(walk.edge)
-        own = [m if walk.way > 0 else length - m for m in _marks(walk.piece, walk.edge)]
-        theirs += [walked + m for m in sorted(own)]
+        for notch in walk.piece.notches:
+            if notch.edge == walk.edge:
+                theirs.append((walked + (notch.along if walk.way > 0 else length - notch.along), notch.back))
         walked += length
-    if not marks or len(marks) != len(theirs):
+    ours = [(notch.along, notch.back) for notch in target.notches if notch.edge == edge]
+    if not ours or len(ours) != len(theirs):
         return 0
-    scaled = np.array(theirs) * target.length(edge) / walked
-    forwards = float(np.abs(np.array(sorted(marks)) - scaled).max())
-    back = float(np.abs(np.sort(target.length(edge) - np.array(marks)) - scaled).max())
+    scale = target.length(edge) / walked
+    wanted = sorted((along * scale, back) for along, back in theirs)
+    forwards, back = (
+        max(abs(a - b) + (kind_a != kind_b) for (a, kind_a), (b, kind_b) in zip(sorted(way), wanted, strict=True))
+        for way in (ours, [(target.length(edge) - along, kind) for along, kind in ours])
+    )
     return 0 if abs(forwards - back) < ALIKE else (1 if forwards < back else -1)
 
 
@@ -231,6 +289,16 @@ def _asymmetry(edge: Float) -> float:
 def _takes_a_target(pair: Candidate, sums: Sequence[Candidate]) -> bool:
     """Tell whether a pair wants the edge that a sum fits."""
     return any(walk.key in pair.edges for total in sums for walk in total.walks[0])
+
+
+def _joins_two_sleeves(pair: Candidate, sums: Sequence[Candidate]) -> bool:
+    """Tell whether a pair joins two pieces that fit the same edges of others, as both sleeves fit the armholes."""
+    (a,), (b,) = pair.walks
+    fits = [
+        {frozenset(c.edges - {key}) for c in sums for key in c.edges if key[0] == walk.piece.name}
+        for walk in (a, b)
+    ]
+    return bool(fits[0] & fits[1])
 
 
 def _own_mirrors(pieces: dict[str, Piece], pairs: Sequence[Candidate]) -> list[Candidate]:
@@ -266,7 +334,8 @@ def _tubes(piece: Piece) -> list[Candidate]:
             middles = [(i + j) // 2 if (i + j) % 2 == 0 else -1]
             if any(m >= 0 and is_central(piece, m) for m in middles):
                 found.append(candidate_of("tube", [Walk(piece, i, 1)], [Walk(piece, j, -1)]))
-    return [c for c in found if c is not None]
+    tubes = [c for c in found if c is not None]
+    return tubes if len(tubes) < 2 else [c.with_doubt("it may be the other way around") for c in tubes]
 
 
 def _runs_around_corners(pairs: Sequence[Candidate], pieces: dict[str, Piece]) -> list[Candidate]:

@@ -57,7 +57,7 @@ def mirrored_part(part: EdgePart) -> EdgePart:
 
 def panels_of(piece: Piece) -> list[Panel]:
     """Return the panels of a piece: one, or one and its mirrored twin. Fold lines come to lie on x = 0."""
-    notches = {n: tuple(s / piece.length(n) for e, s in piece.notches if e == n) for n in range(len(piece.edges))}
+    notches = {n: tuple(m.along / piece.length(n) for m in piece.notches if m.edge == n) for n in range(len(piece.edges))}
     if piece.fold is None:
         panel = _panel(piece.name, piece.edges, [notches[n] for n in range(len(piece.edges))], piece.warp_degrees)
         if not piece.pair:
