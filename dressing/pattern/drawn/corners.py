@@ -73,6 +73,24 @@ def nearest_on_edges(edges: Sequence[Float], point: Float) -> tuple[int, float, 
     return best
 
 
+def _ahead(edges: Sequence[Float], point: Float, direction: Float) -> tuple[int, float, float] | None:
+    """Return the edge that a ray meets first, how far along it, and how far ahead [m]; None if none is near."""
+    best: tuple[int, float, float] | None = None
+    ray = direction / max(float(np.linalg.norm(direction)), 1e-300)
+    for number, edge in enumerate(edges):
+        start, side = edge[:-1], np.diff(edge, axis=0)
+        cross = ray[0] * side[:, 1] - ray[1] * side[:, 0]
+        cross = np.where(np.abs(cross) < 1e-15, 1e-15, cross)
+        to = start - point
+        ahead = (to[:, 0] * side[:, 1] - to[:, 1] * side[:, 0]) / cross
+        t = (to[:, 0] * ray[1] - to[:, 1] * ray[0]) / cross
+        for index in np.flatnonzero((ahead > -SAME_POINT) & (ahead < FARTHEST_NOTCH) & (t >= 0.0) & (t <= 1.0)):
+            if best is None or ahead[index] < best[2]:
+                lengths = np.linalg.norm(side, axis=1)
+                best = (number, float(lengths[:index].sum() + t[index] * lengths[index]), float(ahead[index]))
+    return best
+
+
 def inset(edges: Sequence[Float], allowance: float, fold: int | None) -> tuple[Float, ...]:
     """Return edges moved inwards by an allowance [m], the one on the fold left where it is.
 
@@ -128,12 +146,22 @@ def _sharpest(outline: Float, corners: Float, sharpness: Float) -> Float:
 
 
 def projected_notches(
-    edges: Sequence[Float], marks: Sequence[Float], back: Sequence[bool] | None = None
+    edges: Sequence[Float],
+    marks: Sequence[Float],
+    *,
+    back: Sequence[bool] | None = None,
+    inwards: Sequence[Float | None] | None = None,
 ) -> tuple[Notch, ...]:
-    """Return marks as notches of edges, those on corners and repeated ones left out; `back` says which are of a back."""
+    """Return marks as notches of edges, those on corners and repeated ones left out.
+
+    `back` says which are marks of a back; `inwards` is where a mark points, along which it is projected if an edge
+    lies there, else to the nearest.
+    """
     found: list[Notch] = []
-    for mark, is_back in zip(marks, back or [False] * len(marks), strict=True):
-        edge, along, away = nearest_on_edges(edges, mark)
+    for index, mark in enumerate(marks):
+        is_back = back is not None and back[index]
+        direction = None if inwards is None else inwards[index]
+        edge, along, away = (direction is not None and _ahead(edges, mark, direction)) or nearest_on_edges(edges, mark)
         length = float(np.linalg.norm(np.diff(edges[edge], axis=0), axis=1).sum())
         if away >= FARTHEST_NOTCH or not ONE_NOTCH < along < length - ONE_NOTCH:
             continue

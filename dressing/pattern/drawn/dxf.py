@@ -18,7 +18,7 @@ from toile.dressing.pattern.drawn.corners import (
     without_repeats,
 )
 from toile.dressing.pattern.drawn.dxf_entities import Block, DxfFile, Entity, read_dxf
-from toile.dressing.pattern.drawn.piece import DrawnPattern, Piece
+from toile.dressing.pattern.drawn.piece import DrawnPattern, Notch, Piece
 from toile.dressing.pattern.pattern_outline import crossing_sides, signed_area
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError, about
@@ -180,7 +180,7 @@ def _piece(
         edges=edges,
         fold=fold,
         pair=fold is None and _is_pair(words.get("QUANTITY", "")),
-        notches=projected_notches(edges, [e.points[0] * metres for e in layers.get(NOTCH, []) if len(e.points)]),
+        notches=_notches(edges, layers.get(NOTCH, []), metres),
         warp_degrees=warp_of_line(grain),
         words=" ".join([block.name, *words.values(), *texts]),
         lines=tuple(
@@ -190,6 +190,17 @@ def _piece(
         ),
         holes=tuple(e.points * metres for e in layers.get(CUT_OUT, []) if len(e.points) > 2),
     )
+
+
+def _notches(edges: Sequence[Float], entities: Sequence[Entity], metres: float) -> tuple[Notch, ...]:
+    """Return marks of the cut line on the sew line, in the direction of their own lines or angles."""
+    marks = [e for e in entities if e.kind in ("POINT", "LINE")]
+    inwards = [
+        e.points[1] - e.points[0] if e.kind == "LINE"
+        else None if e.angle is None else np.array([np.cos(np.radians(e.angle)), np.sin(np.radians(e.angle))])
+        for e in marks
+    ]  # fmt: skip
+    return projected_notches(edges, [e.points[0] * metres for e in marks], inwards=inwards)
 
 
 def _is_outline(entity: Entity) -> bool:

@@ -14,13 +14,14 @@ SKIPPED_BLOCKS = ("*", "$")
 
 @dataclass(frozen=True)
 class Entity:
-    """One entity: its kind, its layer, its points in file units, its text, and whether it is closed."""
+    """One entity: kind, layer, points in file units, text, whether it is closed, its angle [degrees] if it has one."""
 
     kind: str
     layer: str
     points: Float
     text: str = ""
     closed: bool = False
+    angle: float | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ def _start(found: list[_Raw], kind: str) -> None:
 def _entity(raw: _Raw, path: Path) -> Entity:
     try:
         points = _points(raw)
+        angle = float(raw.first(50)) if raw.kind == "POINT" and raw.first(50) else None
         closed = raw.kind in ("POLYLINE", "LWPOLYLINE") and int(float(raw.first(70, "0"))) & 1 == 1
     except ValueError:
         raise InputError(
@@ -129,7 +131,7 @@ def _entity(raw: _Raw, path: Path) -> Entity:
             file=path,
         ) from None
     text = raw.first(1).strip() if raw.kind in ("TEXT", "MTEXT") else raw.first(2).strip()
-    return Entity(raw.kind, raw.first(8).strip(), points, text, closed)
+    return Entity(raw.kind, raw.first(8).strip(), points, text, closed, angle)
 
 
 def _points(raw: _Raw) -> Float:

@@ -116,7 +116,7 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
         edges=edges,
         fold=fold,
         pair=fold is None,
-        notches=projected_notches(edges, marks, [sign == "bnotch" for _, sign in signs]),
+        notches=projected_notches(edges, marks, back=[sign == "bnotch" for _, sign in signs]),
         warp_degrees=warp_of_line(None if grain is None else grain[[0, -1]]),
         words=name,
         lines=tuple(points for n, points in enumerate(fabric) if n != largest),

@@ -36,6 +36,8 @@ DART_TURN = np.radians(100.0)
 """Turn to the right at the tip of a dart, at least."""
 UNLIKE_ENDS = 0.6
 """Sum of the logarithms of ratios of the lengths beside a seam's ends from which it is in doubt."""
+CLEARLY_LONGER = 1.5
+"""Side seam over shoulder seam from which it is clear which is which."""
 ALIKE = 0.003
 """Shapes and notches that differ by less are no evidence [m]."""
 
@@ -184,45 +186,83 @@ def _past_darts(walk: Walk, step: int, legs: Mapping[EdgeKey, int]) -> list[Walk
         found.append(Walk(walk.piece, beyond, walk.way, walk.mirrored))
 
 
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """Edges of several pieces one after the other, and how long the seams are at whose ends they meet [m]."""
+
+    walks: tuple[Walk, ...]
+    joints: tuple[float, ...]
+
+    @property
+    def length(self) -> float:
+        return sum(walk.piece.length(walk.edge) for walk in self.walks)
+
+    def followed_by(self, other: "_Chain") -> "_Chain | None":
+        """Return both as one, if the last edge of this is the first of the other and no other is in both."""
+        last, first = self.walks[-1], other.walks[0]
+        walks = (*self.walks, *other.walks[1:])
+        if (last.key, last.way) != (first.key, first.way) or len({w.key for w in walks}) < len(walks):
+            return None
+        return _Chain(walks, (*self.joints, *other.joints))
+
+
+def _chains(pairs: Sequence[Candidate], legs: Mapping[EdgeKey, int]) -> list[_Chain]:
+    """Return runs of edges of two or three pieces that other seams join at their corners."""
+    chains = []
+    for pair in pairs:
+        (a,), _ = pair.walks
+        for into, out in _beside(pair):
+            walks = (*_past_darts(into, -1, legs), *_past_darts(out, 1, legs))
+            chains.append(_Chain(walks, (a.piece.length(a.edge),)))
+    longer = [first.followed_by(second) for first in chains for second in chains]
+    return chains + [chain for chain in longer if chain is not None]
+
+
 def _sums(
     pieces: Sequence[Piece], pairs: Sequence[Candidate], legs: Mapping[EdgeKey, int]
 ) -> list[Candidate]:
     """Return edges as long as two or three others together, which are joined at their corners by other seams."""
-    chains: list[list[Walk]] = []
-    for pair in pairs:
-        for into, out in _beside(pair):
-            chains.append([*_past_darts(into, -1, legs), *_past_darts(out, 1, legs)])
-    chains += [
-        [*first, *second[1:]] for first in chains for second in chains
-        if (first[-1].key, first[-1].way) == (second[0].key, second[0].way) and len({w.key for w in (*first, *second)}) == len(first) + len(second) - 1
-    ]  # fmt: skip
-    found: dict[tuple[frozenset[EdgeKey], EdgeKey], Candidate] = {}
+    chains = _chains(pairs, legs)
+    found: list[Candidate] = []
     for target in pieces:
-        cap = place_by_words(target.words) == "sleeve"
         for edge in _free(target):
-            best: list[tuple[float, list[Walk]]] = []
+            fitting: dict[frozenset[EdgeKey], list[_Chain]] = {}
             for chain in chains:
-                if any(walk.piece is target for walk in chain):
-                    continue
-                total = sum(walk.piece.length(walk.edge) for walk in chain)
-                off = abs(total - target.length(edge)) / target.length(edge)
-                ends_folded = any(meets_fold(walk.piece, walk.edge) for walk in (chain[0], chain[-1]))
-                round_cap = cap and _curvature(Walk(target, edge, 1)) > CURVED
-                if ends_folded == meets_fold(target, edge) and off < (CAP_EASE if round_cap else SUM_TOLERANCE):
-                    best.append((off, chain))
-            for _, chain in sorted(best, key=lambda entry: (round(entry[0], 4), -len(entry[1]))):
-                key = frozenset(walk.key for walk in chain), (target.name, edge)
-                candidate = _sum(target, edge, chain)
-                if candidate is not None and key not in found:
-                    found[key] = candidate
+                if _fits(target, edge, chain):
+                    fitting.setdefault(frozenset(walk.key for walk in chain.walks), []).append(chain)
+            found += [c for same in fitting.values() if (c := _joined_best(target, edge, same)) is not None]
     # Three beat two of them: a yoke between front and back.
-    return [
-        c for c in found.values()
-        if not any(c.edges < other.edges for other in found.values())
-    ]  # fmt: skip
+    return [c for c in found if not any(c.edges < other.edges for other in found)]
 
 
-def _beside(pair: Candidate) -> list[list[Walk]]:
+def _fits(target: Piece, edge: int, chain: _Chain) -> bool:
+    """Tell whether an edge is as long as a chain of others and ends on the fold if that does."""
+    walks = chain.walks
+    if any(walk.piece is target for walk in walks):
+        return False
+    ends_folded = any(meets_fold(walk.piece, walk.edge) for walk in (walks[0], walks[-1]))
+    is_cap = place_by_words(target.words) == "sleeve" and _curvature(Walk(target, edge, 1)) > CURVED
+    off = abs(chain.length - target.length(edge)) / target.length(edge)
+    return ends_folded == meets_fold(target, edge) and off < (CAP_EASE if is_cap else SUM_TOLERANCE)
+
+
+def _joined_best(target: Piece, edge: int, chains: Sequence[_Chain]) -> Candidate | None:
+    """Return the seam of an edge to edges that may be joined at either end.
+
+    Those of an armhole meet at shoulder and side: the ends of a cap go to the longer of these seams.
+    """
+    options = [(chain, c) for chain in chains if (c := _sum(target, edge, list(chain.walks))) is not None]
+    if not options:
+        return None
+    options.sort(key=lambda option: max(option[0].joints))
+    (_, candidate), shortest = options[0], max(options[0][0].joints)
+    joints = [max(chain.joints) for chain, _ in options if not np.isclose(max(chain.joints), shortest, rtol=0.02)]
+    if joints and min(joints) < CLEARLY_LONGER * shortest and not candidate.doubt:
+        return candidate.with_doubt("its ends may lie at the other end of these edges")
+    return candidate
+
+
+def _beside(pair: Candidate) -> list[tuple[Walk, Walk]]:
     """Return walks from one piece into the other past the ends of a seam, along the edges beside it."""
     (a,), (b,) = pair.walks
     chains = []
@@ -233,8 +273,8 @@ def _beside(pair: Candidate) -> list[list[Walk]]:
         # Towards the corner where the seam ends, then away from it on the other piece.
         into = Walk(a.piece, first, -end, a.mirrored)
         out = Walk(b.piece, second, end * b.way, b.mirrored)
-        chains.append([into, out])
-        chains.append([out.turned(), into.turned()])
+        chains.append((into, out))
+        chains.append((out.turned(), into.turned()))
     return chains
 
 
