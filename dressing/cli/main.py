@@ -24,6 +24,7 @@ from toile.dressing.cli.parser import (
     body_length,
     reading_of,
 )
+from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -109,6 +110,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
+    add_pattern(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
@@ -139,9 +141,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         action="append",
         default=[],
         metavar="FILE|NAME",
-        help="GarmentCode .json, mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
+        help="GarmentCode .json, DXF or FreeSewing .svg pattern, mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
         "from the body outwards",
     )
+    add_pattern_options(dress)
     dress.add_argument("--fabric", metavar="NAME", help="fabric preset (see: toile fabrics)")
     dress.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
     dress.add_argument("--edge-length", type=float, metavar="M", help="edge length of the triangles [m]")
@@ -273,7 +276,15 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
         raise InputError(f"{words} describe the file of --avatar, which is missing", field="--avatar")
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, **reading)
-    garments = tuple(Garment(source) for source in options.garment)
+    garments = tuple(
+        Garment(
+            source, size=options.size, allowance=options.allowance, seams=options.seams,
+            units=options.pattern_units,
+        )
+        if Path(source).suffix.lower() in (".dxf", ".svg")
+        else Garment(source)
+        for source in options.garment
+    )  # fmt: skip
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:

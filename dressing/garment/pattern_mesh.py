@@ -11,6 +11,7 @@ from toile.dressing.pattern.pattern import Edge, Panel, Pattern
 from toile.dressing.pattern.pattern_curve import edge_length as length_of
 from toile.dressing.pattern.pattern_curve import sagitta
 from toile.dressing.pattern.pattern_outline import crossing_sides, outline, signed_area, to_world
+from toile.dressing.pattern.split_seams import split_seams
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.remesh.panel.panel_mesh import triangulate_panel
@@ -46,6 +47,7 @@ def mesh_pattern(
         raise InputError(
             f"edge_length must be a positive number of metres, got {edge_length}", field="edge_length"
         )
+    pattern = split_seams(pattern)
     segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
     positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
     count = 0

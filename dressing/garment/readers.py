@@ -5,6 +5,7 @@ from pathlib import Path
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
 from toile.dressing.pattern.garmentcode import check_pattern, read_garmentcode
 from toile.dressing.pattern.pattern import Pattern
 from toile.geometry.errors import InputError
@@ -21,7 +22,8 @@ def register_reader(suffix: str, read: Reader) -> None:
     Parameters
     ----------
     suffix
-        Extension of the files, such as ".dxf"; upper and lower case are the same.
+        Extension of the files, such as ".pds"; upper and lower case are the same. A reader of ".dxf" or ".svg"
+        takes the place of toile's own.
     read
         Takes the file's path and returns its pattern, which is checked and meshed as finely as the scene asks
         for, or its mesh. Both are placed around the body, in metres, Y up, the body facing +Z, feet at y = 0.
@@ -33,7 +35,7 @@ def register_reader(suffix: str, read: Reader) -> None:
     """
     key = suffix.lower()
     if not key.startswith(".") or len(key) < 2 or Path(f"garment{key}").suffix != key:
-        raise InputError(f"register_reader: {suffix!r} is no file extension; give one such as '.dxf'")
+        raise InputError(f"register_reader: {suffix!r} is no file extension; give one such as '.pds'")
     if key in MESH_FORMATS or _READERS.get(key, read) is not read:
         raise InputError(f"register_reader: '{key}' files have a reader already; choose another extension")
     _READERS[key] = read
@@ -41,7 +43,12 @@ def register_reader(suffix: str, read: Reader) -> None:
 
 def garment_formats() -> tuple[str, ...]:
     """Return the extensions of all garment files that can be read."""
-    return (*_READERS, *MESH_FORMATS)
+    return tuple(dict.fromkeys((*_READERS, *DRAWN_FORMATS, *MESH_FORMATS)))
+
+
+def is_registered(path: Path) -> bool:
+    """Tell whether files of this extension have a reader that was registered."""
+    return path.suffix.lower() in _READERS
 
 
 def read_garment(path: str | Path) -> Pattern | GarmentMesh:

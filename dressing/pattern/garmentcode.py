@@ -17,6 +17,8 @@ from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Patte
 from toile.dressing.pattern.pattern_curve import edge_length, relative_point
 from toile.dressing.pattern.pattern_outline import crossing_sides, default_segments, outline
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
+from toile.dressing.pattern.seam import read_seam
+from toile.dressing.pattern.split_seams import split_seams
 from toile.geometry.errors import InputError, about
 
 SHORTEST_EDGE = 1e-5
@@ -82,7 +84,12 @@ def _pattern(path: Path) -> Pattern:
         panels = {name: panels[name] for name in order}
     stitches = _stitches(body.get("stitches") or [], panels, path.name)
     name = path.name.removesuffix(".json").removesuffix("_specification")
-    pattern = Pattern(name=name, panels=tuple(panels.values()), stitches=stitches, notes=tuple(notes))
+    seams = tuple(
+        read_seam(text, f"{path.name}: pattern.seams.{i}") for i, text in enumerate(body.get("seams") or [])
+    )
+    pattern = Pattern(
+        name=name, panels=tuple(panels.values()), stitches=stitches, notes=tuple(notes), seams=seams
+    )
     if properties.get("normalized_edge_loops") is not True:
         pattern = consistent_loops(pattern)
     return pattern
@@ -110,6 +117,7 @@ def _likely_units(body: Mapping[str, Any]) -> tuple[float, str]:
 
 def check_pattern(pattern: Pattern) -> None:
     """Check a pattern that was not read from a file. Raises InputError as `read_garmentcode` does."""
+    pattern = split_seams(pattern)
     for panel in pattern.panels:
         with about(field=f"pattern.panels.{panel.name}"):
             _check_outline(panel, f"{pattern.name}: panel '{panel.name}'")
@@ -199,6 +207,9 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
             f"{where} is more than {LARGEST_PANEL:g} m large with {units:g} units per metre; "
             "check its vertices and properties.units_in_meter"
         )
+    with about(field="roll_radius"):
+        roll = raw.get("roll_radius")
+        roll = None if roll is None else _number(roll, f"{where}: roll_radius") / units
     label = str(raw.get("label") or "")
     panel = Panel(
         name=name,
@@ -209,6 +220,7 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
         label=label,
         role=_role(raw, PanelRole, where) or panel_role(name, label),
         warp_degrees=warp,
+        roll_radius=roll,
     )
     _check_outline(panel, where)
     for i in range(len(edges)):

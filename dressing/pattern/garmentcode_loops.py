@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Panel, Pattern, Quadratic
+from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Panel, Pattern, Polyline, Quadratic
 from toile.dressing.pattern.pattern_outline import is_clockwise, to_world
+from toile.dressing.pattern.seam import EdgePart, Seam
 
 
 def consistent_loops(pattern: Pattern) -> Pattern:
@@ -30,6 +31,10 @@ def consistent_loops(pattern: Pattern) -> Pattern:
             )
             for stitch in pattern.stitches
         ),
+        seams=tuple(
+            Seam(*(tuple(_turned_part(pattern, part, clockwise) for part in run) for run in (seam.a, seam.b)))
+            for seam in pattern.seams
+        ),
         notes=(*pattern.notes, "Clockwise panel outlines were reversed: the seams fit better that way."),
     )
     # A thousandth in favour of the file, so that rounding does not decide between equals.
@@ -39,7 +44,13 @@ def consistent_loops(pattern: Pattern) -> Pattern:
 def reversed_loop(panel: Panel) -> Panel:
     """Return the same outline walked the other way: edge i becomes edge n - 1 - i."""
     edges = tuple(
-        replace(edge, start=edge.end, end=edge.start, curve=_reversed_curve(edge.curve))
+        replace(
+            edge,
+            start=edge.end,
+            end=edge.start,
+            curve=_reversed_curve(edge.curve),
+            notches=tuple(1.0 - notch for notch in reversed(edge.notches)),
+        )  # fmt: skip
         for edge in reversed(panel.edges)
     )
     return replace(panel, edges=edges)
@@ -63,6 +74,19 @@ def _renumbered(pattern: Pattern, name: str, edge: int, reversed_names: set[str]
     return len(pattern.panel(name).edges) - 1 - edge if name in reversed_names else edge
 
 
+def _turned_part(pattern: Pattern, part: EdgePart, reversed_names: set[str]) -> EdgePart:
+    """Return the same stretch of cloth in the numbers of a loop that may be reversed."""
+    if part.panel not in reversed_names:
+        return part
+    edge = len(pattern.panel(part.panel).edges) - 1 - part.edge if _has_edge(pattern, part) else part.edge
+    return EdgePart(part.panel, edge, 1.0 - part.start, 1.0 - part.end)
+
+
+def _has_edge(pattern: Pattern, part: EdgePart) -> bool:
+    """Tell whether a part is one of an edge that exists; the check of seams says what is wrong if not."""
+    return part.edge < len(pattern.panel(part.panel).edges)
+
+
 def _reversed_curve(curve: Curve) -> Curve:
     """Return the curve seen from its other end: u becomes 1 - u, and left becomes right."""
     if isinstance(curve, Quadratic):
@@ -72,4 +96,6 @@ def _reversed_curve(curve: Curve) -> Curve:
         return Cubic((1.0 - b[0], -b[1]), (1.0 - a[0], -a[1]))
     if isinstance(curve, Arc):
         return replace(curve, right=not curve.right)
+    if isinstance(curve, Polyline):
+        return Polyline(tuple((1.0 - u, -v) for u, v in reversed(curve.points)))
     return None

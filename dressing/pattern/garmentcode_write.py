@@ -5,8 +5,10 @@ import math
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.pattern.fit_cubics import with_curves
 from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Edge, Panel, Pattern, Quadratic
+from toile.dressing.pattern.split_seams import split_seams
 
 _UNITS = 100.0
 
@@ -14,10 +16,14 @@ _UNITS = 100.0
 def write_garmentcode(pattern: Pattern, path: str | Path) -> None:
     """Write a pattern so that reading the file back gives the same pattern, to the last bit.
 
+    Seams between runs are written as stitches between whole edges, and polylines as cubics that follow them
+    within 0.1 mm; edges are split for both, and notches are left out.
+
     (A length that is not a floating-point number divided by 100 comes back changed by one unit in the last
     place; writing that again changes nothing. A panel or an edge without a role comes back with the one that
     its name or label has in GarmentCode; another role of its own is written beside them.)
     """
+    pattern = with_curves(split_seams(pattern))
     document = {
         "pattern": {
             "panels": {panel.name: _panel(panel) for panel in pattern.panels},
@@ -56,6 +62,8 @@ def _panel(panel: Panel) -> dict[str, Any]:
         raw["role"] = panel.role
     if panel.warp_degrees:
         raw["warp_degrees"] = panel.warp_degrees
+    if panel.roll_radius is not None:
+        raw["roll_radius"] = _in_file_units(panel.roll_radius)
     return raw
 
 

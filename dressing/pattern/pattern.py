@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
+from toile.dressing.pattern.seam import Seam
 
 Point = tuple[float, float]
 
@@ -45,7 +46,14 @@ class Arc:
     right: bool
 
 
-Curve = Quadratic | Cubic | Arc | None
+@dataclass(frozen=True)
+class Polyline:
+    """Edge through points, each relative to the chord as in `Quadratic`; its own ends are not among them."""
+
+    points: tuple[Point, ...]
+
+
+Curve = Quadratic | Cubic | Arc | Polyline | None
 """None is a straight edge."""
 
 
@@ -54,7 +62,7 @@ class Edge:
     """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices).
 
     `label` is the file's name for it, under which it can be pinned; `role` says what it lies on, None if that
-    is nothing in particular.
+    is nothing in particular. `notches` are marks that seams match, as fractions of its length.
     """
 
     start: int
@@ -62,6 +70,7 @@ class Edge:
     curve: Curve = None
     label: str = ""
     role: EdgeRole | None = None
+    notches: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +96,9 @@ class Panel:
         That part, whatever the file calls it; None if it is not known.
     warp_degrees
         Direction of the warp, counter-clockwise from the panel's +y.
+    roll_radius
+        Radius [m] of the cylinder about a line parallel to the panel's y axis that the panel is rolled around
+        at the start, its right side outside and its x = 0 in its plane; None where it starts flat.
     """
 
     name: str
@@ -97,6 +109,7 @@ class Panel:
     label: str = ""
     role: PanelRole | None = None
     warp_degrees: float = 0.0
+    roll_radius: float | None = None
 
 
 @dataclass(frozen=True)
@@ -121,12 +134,17 @@ class Stitch:
 
 @dataclass(frozen=True, kw_only=True)
 class Pattern:
-    """Panels and stitches of one garment; `notes` say what the reader had to assume, one sentence each."""
+    """Panels and stitches of one garment.
+
+    `seams` join runs of edges beside the stitches, which join whole ones; `notes` say what the reader had to
+    assume, one sentence each.
+    """
 
     name: str
     panels: tuple[Panel, ...]
     stitches: tuple[Stitch, ...]
     notes: tuple[str, ...] = ()
+    seams: tuple[Seam, ...] = ()
 
     def panel(self, name: str) -> Panel:
         """Return the panel of that name. Raises KeyError."""

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from toile.dressing.pattern.pattern import Arc, Cubic, Panel, Point, Quadratic
+from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Panel, Point, Polyline, Quadratic
 from toile.geometry.arrays import Float
 
 _SPANS = 64
@@ -20,6 +20,8 @@ def edge_length(panel: Panel, edge: int) -> float:
     if isinstance(side.curve, Arc):
         radius, _, _, sweep = _circle(start, end, side.curve)
         return abs(radius * sweep)
+    if isinstance(side.curve, Polyline):
+        return float(_walked(_absolute_points(start, end, side.curve.points))[-1])
     return float(_arc_lengths(_control_points(start, end, side.curve))[-1])
 
 
@@ -34,6 +36,8 @@ def edge_points(panel: Panel, edge: int, segments: int) -> Float:
         radius, centre, first, sweep = _circle(start, end, side.curve)
         angle = first + along * sweep
         points = centre + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    elif isinstance(side.curve, Polyline):
+        points = points_at(_absolute_points(start, end, side.curve.points), along)
     else:
         control = _control_points(start, end, side.curve)
         points = _bezier(control, _parameters_at(control, along))
@@ -56,6 +60,91 @@ def relative_point(start: Point, end: Point, point: Point) -> Point:
     px, py = point[0] - start[0], point[1] - start[1]
     squared = dx * dx + dy * dy
     return (px * dx + py * dy) / squared, (py * dx - px * dy) / squared
+
+
+def points_at(polyline: Float, along: Float) -> Float:
+    """Points of a polyline, shape (p, 2), at fractions of its length, shape (n,)."""
+    walked = _walked(polyline)
+    target = along * walked[-1]
+    return np.column_stack([np.interp(target, walked, polyline[:, axis]) for axis in (0, 1)])
+
+
+def polyline_curve(points: Float) -> Curve:
+    """Return the curve of an edge through absolute points, its ends included, shape (p, 2)."""
+    if len(points) < 3:
+        return None
+    start, end = (float(points[0, 0]), float(points[0, 1])), (float(points[-1, 0]), float(points[-1, 1]))
+    return Polyline(tuple(relative_point(start, end, (float(x), float(y))) for x, y in points[1:-1]))
+
+
+def cut_curve(panel: Panel, edge: int, fractions: list[float]) -> list[tuple[Curve, Point]]:
+    """Cut an edge at rising fractions of its length, all within 0 and 1.
+
+    Returns the curve of each of the pieces in order, relative to its own chord, and the point where it ends.
+    """
+    side = panel.edges[edge]
+    first, last = panel.vertices[side.start], panel.vertices[side.end]
+    start, end = np.array(first), np.array(last)
+    bounds = np.array([0.0, *fractions, 1.0])
+    if isinstance(side.curve, Quadratic | Cubic):
+        control = _control_points(start, end, side.curve)
+        bounds = _parameters_at(control, bounds)
+        pieces = [_absolute_curve(_blossom(control, a, b)) for a, b in pairwise(bounds.tolist())]
+    elif isinstance(side.curve, Arc):
+        radius, centre, angle, sweep = _circle(start, end, side.curve)
+        ends = angle + bounds * sweep
+        corners = centre + radius * np.column_stack([np.cos(ends), np.sin(ends)])
+        pieces = [
+            (Arc(radius, abs(sweep) * (b - a) > np.pi, side.curve.right), (float(x), float(y)))
+            for (a, b), (x, y) in zip(pairwise(bounds.tolist()), corners[1:], strict=True)
+        ]
+    elif isinstance(side.curve, Polyline):
+        line = _absolute_points(start, end, side.curve.points)
+        walked = _walked(line) / _walked(line)[-1]
+        pieces = []
+        for a, b in pairwise(bounds.tolist()):
+            inner = line[(walked > a + 1e-9) & (walked < b - 1e-9)]
+            ends = points_at(line, np.array([a, b]))
+            pieces.append((polyline_curve(np.vstack([ends[:1], inner, ends[1:]])), _point(ends[1])))
+    else:
+        pieces = [(None, _point(start + b * (end - start))) for b in bounds[1:].tolist()]
+    pieces[-1] = (pieces[-1][0], last)
+    return pieces
+
+
+def _point(point: Float) -> Point:
+    return float(point[0]), float(point[1])
+
+
+def _blossom(control: Float, a: float, b: float) -> Float:
+    """Control points of a Bezier curve between the parameters a and b."""
+    degree = len(control) - 1
+    found = []
+    for ends in range(degree + 1):
+        level = control
+        for t in [b] * ends + [a] * (degree - ends):
+            level = (1.0 - t) * level[:-1] + t * level[1:]
+        found.append(level[0])
+    return np.array(found)
+
+
+def _absolute_curve(control: Float) -> tuple[Curve, Point]:
+    """Return a Bezier curve of absolute control points, and its end."""
+    first, *inner, last = (_point(point) for point in control)
+    relative = [relative_point(first, last, point) for point in inner]
+    return (Quadratic(relative[0]) if len(relative) == 1 else Cubic(relative[0], relative[1])), last
+
+
+def _walked(points: Float) -> Float:
+    """Length [m] of a polyline up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
+def _absolute_points(start: Float, end: Float, points: tuple[Point, ...]) -> Float:
+    """Points [m] of an edge from its start to its end, both included."""
+    chord = end - start
+    left = np.array([-chord[1], chord[0]])
+    return np.array([start, *(start + u * chord + v * left for u, v in points), end])
 
 
 def _circle(start: Float, end: Float, arc: Arc) -> tuple[float, Float, float, float]:

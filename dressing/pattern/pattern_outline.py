@@ -72,8 +72,18 @@ def crossing_sides(polygon: Float) -> tuple[int, int] | None:
 
 
 def to_world(panel: Panel, points: Float) -> Float:
-    """Place points of the panel's plane [m], shape (n, 2), in the world [m], shape (n, 3)."""
+    """Place points of the panel's plane [m], shape (n, 2), in the world [m], shape (n, 3).
+
+    Lengths along a panel that is rolled stay what they are: its plane is bent about one axis.
+    """
     rotation = rotation_matrix(panel.rotation_degrees)
+    if panel.roll_radius is not None:
+        radius, angle = panel.roll_radius, points[:, 0] / panel.roll_radius
+        outside = -1.0 if is_clockwise(panel) else 1.0
+        rolled = np.column_stack(
+            [radius * np.sin(angle), points[:, 1], outside * radius * (np.cos(angle) - 1.0)]
+        )
+        return np.ascontiguousarray(rolled @ rotation.T + np.array(panel.translation))
     return np.ascontiguousarray(points @ rotation[:, :2].T + np.array(panel.translation))
 
 

@@ -13,8 +13,13 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dressing.garment.mesh_garment import moved_in
-from toile.dressing.garment.readers import read_garment
+from toile.dressing.garment.readers import is_registered, read_garment
 from toile.dressing.pattern.drafts import built_in
+from toile.dressing.pattern.drawn.place import placed_pattern
+from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions, told_or_sure
+from toile.dressing.pattern.garmentcode import check_pattern
+from toile.dressing.pattern.pattern import Pattern
+from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.pattern.twisted_seams import check_twists
 from toile.dressing.run.pattern_place import moved_to_body
@@ -101,15 +106,26 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         )  # fmt: skip
     from toile.dressing.garment.pattern_mesh import mesh_pattern
 
-    found = read_garment(source) if isinstance(source, Path) else built_in(source, form.measurements)
+    is_drawn = (
+        isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS and not is_registered(source)
+    )
+    if isinstance(source, Path) and is_drawn:
+        found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
+    elif isinstance(source, Path):
+        found = read_garment(source)
+    else:
+        found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
         return moved_in(found, form.place)
-    if isinstance(source, Path):
+    if isinstance(garment.seams, tuple) and not is_drawn:
+        found = with_seams(found, garment.seams)
+    if isinstance(source, Path) and not is_drawn:
         check_twists(found)
-        mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
-        if _lies_in_the_room(mesh, form):
-            return replace(moved_in(mesh, form.place), notes=found.notes)
+        if not (form.place.is_own or form.place.turn):
+            mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+            if _lies_in_the_room(mesh, form):
+                return replace(moved_in(mesh, form.place), notes=found.notes)
         found = moved_to_body(placed_by_seams(found, form), form)
         if not form.place.is_own:
             note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
@@ -123,10 +139,7 @@ def _lies_in_the_room(mesh: GarmentMesh, form: DressForm) -> bool:
 
     Patterns are made for a body that faces +Z above the origin; some for one in the place of the file.
     """
-    place = form.place
-    if place.is_own or place.turn:
-        return False
-    room = moved_in(mesh, place)
+    room = moved_in(mesh, form.place)
     return _overlap(room, form.avatar) >= SAME_OVERLAP * _overlap(mesh, form.avatar)
 
 
@@ -135,6 +148,26 @@ def _overlap(mesh: GarmentMesh, avatar: Avatar) -> float:
     low = np.maximum(mesh.positions.min(axis=0), avatar.vertices.min(axis=0))
     high = np.minimum(mesh.positions.max(axis=0), avatar.vertices.max(axis=0))
     return float(np.maximum(high - low, 0.0).prod())
+
+
+def _drawn_pattern(source: Path, garment: ResolvedGarment, form: DressForm) -> Pattern:
+    """Return a pattern that is drawn without seams, sewn as told or as is sure, placed on the body."""
+    options = DrawnOptions(
+        size=garment.size, units=garment.units, allowance=garment.allowance, seams=garment.seams
+    )
+    said = told_or_sure(source, options)
+    pattern = placed_pattern(said.drawn, form.measurements, said.places, said.worn)
+    check_pattern(pattern)
+    return pattern
+
+
+def with_seams(pattern: Pattern, texts: tuple[str, ...]) -> Pattern:
+    """Return a pattern with seams added. Raises InputError if one cannot be read or sewn."""
+    with about(field="seams"):
+        seams = tuple(read_seam(text, f"{pattern.name}: seams") for text in texts)
+        added = replace(pattern, seams=(*pattern.seams, *seams))
+        check_pattern(added)
+    return added
 
 
 def _check_pattern_coordinates(mesh: GarmentMesh) -> None:

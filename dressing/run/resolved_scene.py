@@ -35,8 +35,10 @@ class ResolvedGarment:
         What it is made from.
     fabric
         Its fabric, checked.
-    self_contact, pins, warp_angle, units, up, walls
+    self_contact, pins, warp_angle, units, up, walls, size, allowance
         As in `Garment`.
+    seams
+        A seams file, seams as texts, or None.
     """
 
     name: str
@@ -48,6 +50,9 @@ class ResolvedGarment:
     units: str | None
     up: str | None
     walls: int
+    size: str | None = None
+    allowance: float | None = None
+    seams: Path | tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +125,7 @@ def resolve(scene: Scene) -> ResolvedScene:
                 name=name, source=source, fabric=fabric, self_contact=garment.self_contact, pins=garment.pins,
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
+                size=garment.size, allowance=garment.allowance, seams=_seams(garment),
             )
             for garment, name, source, fabric in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, strict=True
@@ -140,6 +146,19 @@ def resolve(scene: Scene) -> ResolvedScene:
         formats=scene.formats,
         ground=scene.ground,
     )  # fmt: skip
+
+
+def _seams(garment: Garment) -> Path | tuple[str, ...] | None:
+    """Return a garment's seams file or seams. Raises InputError if a length or a text is none."""
+    allowance = garment.allowance
+    if allowance is not None and not (isinstance(allowance, int | float) and 0.0 <= allowance < 0.2):
+        raise InputError(
+            f"allowance must lie between 0 and 0.2 m, got {allowance!r}", field="allowance",
+            garment=default_name(garment),
+        )  # fmt: skip
+    if garment.seams is None or isinstance(garment.seams, str | Path):
+        return None if garment.seams is None else Path(garment.seams)
+    return tuple(garment.seams)
 
 
 def _fabric_of(garment: Garment, scene: Scene) -> Fabric:

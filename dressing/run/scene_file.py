@@ -111,16 +111,22 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "garment": {
         "source": (
             str,
-            "built-in name, GarmentCode .json, or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
+            "built-in name, GarmentCode .json, DXF or FreeSewing .svg pattern, or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
         ),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
-        "units": (str, "m, cm or mm of a mesh file"),
+        "units": (str, "m, cm or mm of a mesh file; also in of a DXF pattern"),
         "up": (str, "y or z of a mesh file"),
         "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
+        "size": (str, "size of a DXF pattern that holds several"),
+        "allowance": (NUMBER, "seam allowance [m] of a DXF pattern without a sew line; 0: none is drawn"),
+        "seams": (
+            (str, list),
+            'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
+        ),
     },
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),
@@ -339,6 +345,7 @@ class _SceneReader:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
         source: str = values["source"]
+        seams: str | list[str] | None = values.get("seams")
         is_file = bool(re.search(r"[./\\]", source))
         return Garment(
             self._resolve(source) if is_file else source,
@@ -350,6 +357,9 @@ class _SceneReader:
             units=values.get("units"),
             up=values.get("up"),
             walls=values.get("walls", 1),
+            size=values.get("size"),
+            allowance=values.get("allowance"),
+            seams=self._resolve(seams) if isinstance(seams, str) else seams,
         )
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
