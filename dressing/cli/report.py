@@ -25,7 +25,9 @@ def run_report(options: argparse.Namespace) -> int:
 
     for name in options.name:
         if name not in STUDIES:
-            raise InputError(unknown_name("scene or study", name, (*STUDIES, "remesh", "compare")))
+            raise InputError(
+                unknown_name("scene or study", name, (*STUDIES, "remesh", "compare", "film", "memory"))
+            )
     names = list(dict.fromkeys(options.name or STUDIES))
     folder = None if options.out is None else writable_folder(options.out)
     effort = Effort(options.quick, options.repeats or (1 if options.quick else REPEATS), say_progress)
