@@ -28,15 +28,11 @@ def add_film_options(bench: argparse.ArgumentParser) -> None:
         "--blender", metavar="PYTHON", help="film: and the cloth of Blender, by a Python that can import bpy"
     )
     bench.add_argument("--still", action="store_true", help="film: drape on the body as it is at the start")
-    bench.add_argument(
-        "--avatar", type=Path, metavar="BODY", help="film: a body instead of the built-in ones"
-    )
+    bench.add_argument("--avatar", type=Path, metavar="BODY", help="film: a body instead of the built-in")
     bench.add_argument(
         "--garment", action="append", metavar="FILE|NAME", help="film: garments on BODY; repeat for layers"
     )
-    bench.add_argument(
-        "--quality", metavar="WORD", help="film: preset (default preview; standard with --still)"
-    )
+    bench.add_argument("--quality", metavar="WORD", help="film: preset (preview; standard with --still)")
     bench.add_argument("--frames", type=int, metavar="N", help="film, memory: frames after the first")
 
 

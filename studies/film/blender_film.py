@@ -18,7 +18,7 @@ QUALITIES = (5, 10)
 """Steps per frame: what Blender starts with, and twice that."""
 AREAL_DENSITY = 0.15
 """Of its garments [kg/m^2]."""
-SETTINGS = {
+SETTINGS: dict[str, dict[str, object]] = {
     "cloth": {
         "air_damping": 0.0, "bending_model": "ANGULAR", "tension_stiffness": 15.0,
         "compression_stiffness": 15.0, "shear_stiffness": 15.0, "bending_stiffness": 0.5,
@@ -33,7 +33,7 @@ SETTINGS = {
 
 @dataclass(frozen=True)
 class BlenderFilm:
-    """A film of Blender's: steps per frame, faces, CPU time [s], what crosses per frame, largest edge strain."""
+    """A film: steps per frame, faces, CPU time [s], what crosses in each frame, largest strain of an edge."""
 
     quality: int
     faces: int
@@ -71,7 +71,7 @@ def blender_film(python: str, quality: int, start: Worn, body: tuple[Float, Int]
         job, film = Path(folder) / "job.npz", Path(folder) / "film.npz"
         np.savez(
             job, positions=start.positions, faces=start.faces, body=body[0], body_faces=body[1], fps=fps,
-            settings=json.dumps(SETTINGS | {"cloth": SETTINGS["cloth"] | own}),
+            settings=json.dumps({**SETTINGS, "cloth": {**SETTINGS["cloth"], **own}}),
         )  # fmt: skip
         said = _run(python, [str(Path(__file__).with_name("blender_worker.py")), str(job), str(film)])
         if not film.exists():
@@ -82,7 +82,8 @@ def blender_film(python: str, quality: int, start: Worn, body: tuple[Float, Int]
         made = dict(np.load(film))
     positions = made["positions"].astype(np.float64)
     return BlenderFilm(
-        quality=quality, faces=len(start.faces), cpu=float(made["cpu"]), crossings=crossings_of(positions, start.faces, body),
+        quality=quality, faces=len(start.faces), cpu=float(made["cpu"]),
+        crossings=crossings_of(positions, start.faces, body),
         strain=edge_strain(positions, start.faces), version=str(made["blender"]),
     )  # fmt: skip
 

@@ -3,8 +3,8 @@
 python blender_worker.py JOB.npz FILM.npz
 
 JOB holds positions (n, 3) and faces (t, 3) of the cloth at rest, body (k, v, 3) and body_faces (f, 3) over k
-frames, all in metres with Y up, fps, and `settings`, JSON of {"cloth": ..., "collision": ..., "collider": ...},
-what to set in Blender's cloth settings, cloth collision settings and collider. FILM gets positions (k, n, 3),
+frames, all in metres with Y up, fps, and `settings`, JSON of what to set in Blender's cloth settings
+("cloth"), cloth collision settings ("collision") and collider ("collider"). FILM gets positions (k, n, 3),
 the CPU time of the frames [s] and Blender's version.
 """
 

@@ -44,8 +44,8 @@ class FilmRow:
     strain
         Largest strain in any frame [%]: along warp or weft, of edges in Blender.
     distance_rms, distance_max
-        Distance of the same points of the pattern from the film in a quarter of the step, or from the drape at
-        `accurate`, root mean square and largest [mm]; None where it was not measured.
+        Distance of the same points of the pattern from the film in a quarter of the step, or from the drape
+        at `accurate`, root mean square and largest [mm]; None where it was not measured.
     failure
         Why it failed, or empty.
     """
@@ -113,8 +113,8 @@ def film_table(rows: Sequence[FilmRow], bars: Sequence[Bar]) -> str:
     """Return rows in Markdown, and below them what the bars say."""
     unit = "drape" if rows and rows[0].still else "frame"
     lines = [
-        f"| film | version | CPU s per {unit} | spread | wall s, 1 thread | 2 threads | frames | faces | steps "
-        "| Newton | crossings | strain % | off rms mm | off max mm | failure |",
+        f"| film | version | CPU s per {unit} | spread | wall s, 1 thread | 2 threads | frames | faces "
+        "| steps | Newton | crossings | strain % | off rms mm | off max mm | failure |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:

@@ -1,4 +1,4 @@
-"""The films that are measured: a shirt on a walking body, a skirt that turns, layers; or any body and garments."""
+"""The films that are measured: a shirt on a walking body, a skirt that turns, layers; or what is given."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ WALK_RATIO, RATIO, STILL_RATIO = 6.0, 4.0, 1.7
 
 @dataclass(frozen=True, kw_only=True)
 class GarmentFilm:
-    """A film: its garments from the body outwards, its moving body by number of frames, the ratio it must reach.
+    """A film: garments from the body outwards, the moving body by number of frames, the ratio to reach.
 
     `ratio` is None where nothing was set.
     """

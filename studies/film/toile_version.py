@@ -75,8 +75,8 @@ def _unpack_revision(revision: str, folder: Path) -> None:
     if done.returncode:
         said = done.stderr.decode(errors="replace").strip().splitlines() or [""]
         raise InputError(
-            f"{revision}: git knows no such revision of this installation ({said[-1]}); run toile bench from a "
-            "checkout that has it, or give a wheel",
+            f"{revision}: git knows no such revision here ({said[-1]}); run toile bench from a checkout "
+            "that has it, or give a wheel",
             field="--against",
         )
     with tarfile.open(fileobj=BytesIO(done.stdout)) as archive:

@@ -31,7 +31,7 @@ def walk(body: Avatar, frames: int) -> VertexMotion:
 
 
 def in_a_loop(body: Avatar, frames: int) -> VertexMotion:
-    """Return `frames` frames of a mannequin that walks on the spot, in single precision: there may be many."""
+    """Return `frames` frames of a mannequin that walks on the spot; in single precision, as may be many."""
     poses = np.empty((frames, *body.vertices.shape), np.float32)
     for index in range(frames):
         poses[index] = _pose(body.vertices, index / FPS) - (0.0, 0.0, _walked(index / FPS))
