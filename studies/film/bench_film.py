@@ -123,7 +123,7 @@ def run_version(version: ToileVersion, job: dict[str, Any], folder: Path) -> Dre
     """Run a job in a version of toile. Raises InputError with its name where it cannot."""
     asked, made = folder / "job.json", folder / "run.npz"
     made.unlink(missing_ok=True)
-    asked.write_text(json.dumps(job))
+    asked.write_text(json.dumps(job | {"folder": str(version.path)}))
     # The other packages are found where this process finds them; threads of libraries would count as work.
     path = [
         str(version.path),
@@ -144,7 +144,7 @@ def run_version(version: ToileVersion, job: dict[str, Any], folder: Path) -> Dre
     with np.load(made) as arrays:
         facts = json.loads(str(arrays["facts"]))
         if "problem" in facts:
-            raise InputError(f"toile {version.name}: {facts['problem']}")
+            raise InputError(f"toile {version.name} cannot be measured: {facts['problem']}")
         count = sum(name.startswith("positions_") for name in arrays.files)
         names = ("positions", "faces", "uv", "uv_faces", "panel")
         frames = [Worn(*(arrays[f"{name}_{index}"] for name in names)) for index in range(count)]

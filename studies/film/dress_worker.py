@@ -2,10 +2,11 @@
 
 python dress_worker.py JOB.json RUN.npz
 
-JOB holds `garments` (names or files), `avatar` (a file), `quality`, `step_share` (1, or the share of the
-usual step size that a film takes) and `threads` (None: as the version does by default). RUN receives `facts`, JSON
-of the times and the report, or of the problem if there was one; and of frame k `positions_k` (n, 3),
-`faces_k` (t, 3), `uv_k` (m, 2), `uv_faces_k` (t, 3) and `panel_k` (t,), all garments together.
+JOB holds `folder` (where toile must lie), `garments` (names or files), `avatar` (a file), `quality`,
+`step_share` (1, or the share of the usual step size that a film takes) and `threads`, where the version can be
+told. RUN receives `facts`, JSON of the times and the report, or of the problem if there was one; and of frame k
+`positions_k` (n, 3), `faces_k` (t, 3), `uv_k` (m, 2), `uv_faces_k` (t, 3) and `panel_k` (t,), all garments
+together.
 
 Only public names of toile are used, which every version since 0.1 has, but for steps of another size.
 """
@@ -58,7 +59,7 @@ def take_steps_of(share: float) -> None:
 
 def scene_of(job: dict[str, Any], **more: Any) -> "toile.Scene":
     """Return the scene of a job."""
-    if job["threads"] is not None and knows_threads():
+    if knows_threads():
         more["threads"] = job["threads"]
     return toile.Scene(
         garments=[toile.Garment(source) for source in job["garments"]],
@@ -123,6 +124,9 @@ def main() -> None:
     job = json.loads(Path(sys.argv[1]).read_text())
     meshes: dict[str, Any] = {}
     try:
+        found = Path(str(toile.__file__)).absolute()
+        if not found.is_relative_to(job["folder"]):
+            raise LookupError(f"Python finds another one, {found}")
         facts, meshes = measured(job)
     except (toile.InputError, LookupError) as error:
         facts = {"problem": str(error)}
