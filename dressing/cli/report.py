@@ -66,10 +66,12 @@ def _store(charts: "Sequence[Chart]", options: argparse.Namespace, folder: Path 
     """Write what is done so far to wherever it shall go."""
     from toile.dressing.run.report import versions
     from toile.studies.speed_error.machine import machine
+    from toile.studies.speed_error.mujoco_peer import peer_versions
     from toile.studies.speed_error.stored import Report, write_report
     from toile.studies.speed_error.write import write_pages
 
-    report = Report(quick=options.quick, machine=machine(), versions=versions(), charts=tuple(charts))
+    said = versions() | peer_versions()
+    report = Report(quick=options.quick, machine=machine(), versions=said, charts=tuple(charts))
     if options.json is not None:
         write_report(options.json, report)
     if folder is not None:

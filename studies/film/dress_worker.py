@@ -3,10 +3,10 @@
 python dress_worker.py JOB.json RUN.npz
 
 JOB holds `folder` (where toile must lie), `garments` (names or files), `avatar` (a file), `quality`,
-`step_share` (1, or the share of the usual step size that a film takes) and `threads`, where the version can be
-told. RUN receives `facts`, JSON of the times and the report, or of the problem if there was one; and of frame k
-`positions_k` (n, 3), `faces_k` (t, 3), `uv_k` (m, 2), `uv_faces_k` (t, 3) and `panel_k` (t,), all garments
-together.
+`step_share` (1, or the share of the usual step size that a film takes) and `threads`, where the version can
+be told. RUN receives `facts`, JSON of the times and the report, or of the problem if there was one; and of
+frame k `positions_k` (n, 3), `faces_k` (t, 3), `uv_k` (m, 2), `uv_faces_k` (t, 3) and `panel_k` (t,), all
+garments together.
 
 Only public names of toile are used, which every version since 0.1 has, but for steps of another size.
 """
