@@ -15,14 +15,6 @@ import sys
 from time import process_time
 from typing import Any
 
-if hasattr(os, "sched_setaffinity"):
-    # One core, hence one thread: threads that wait for work would count as CPU time.
-    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-FOLDER = os.path.dirname(os.path.abspath(sys.argv[-1]))
-# Somebody's preferences and add-ons shall not take part.
-os.environ["BLENDER_USER_RESOURCES"] = os.path.join(FOLDER, "resources")
-
-import bpy
 import numpy as np
 
 GRAVITY = 9.81
@@ -30,7 +22,19 @@ UNIT = 1000.0**-0.5
 """Blender's unit of time [s]: it multiplies gravity by 0.001 and takes one unit per frame."""
 
 
-def add_mesh(name: str, positions: Any, faces: Any) -> Any:
+def start_blender(folder: str) -> Any:
+    """Load Blender, alone on one core, without anybody's preferences; return its module."""
+    if hasattr(os, "sched_setaffinity"):
+        # One core, hence one thread: threads that wait for work would count as CPU time.
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    os.environ["BLENDER_USER_RESOURCES"] = os.path.join(folder, "resources")
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy
+
+
+def add_mesh(bpy: Any, name: str, positions: Any, faces: Any) -> Any:
     """Add a mesh to the scene, in the coordinates given."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(positions.tolist(), [], faces.tolist())
@@ -45,9 +49,8 @@ def set_all(target: Any, values: dict[str, Any]) -> None:
         setattr(target, name, value)
 
 
-def follow_poses(thing: Any, poses: Any) -> None:
-    """Let a mesh follow poses (k, v, 3), one per frame from frame 1 on, read from a point cache file."""
-    path = os.path.join(FOLDER, "body.pc2")
+def follow_poses(thing: Any, poses: Any, path: str) -> None:
+    """Let a mesh follow poses (k, v, 3), one per frame from frame 1 on, by way of a point cache file."""
     with open(path, "wb") as stream:
         stream.write(struct.pack("<12siiffi", b"POINTCACHE2\0", 1, poses.shape[1], 1.0, 1.0, len(poses)))
         stream.write(np.ascontiguousarray(poses, "<f4").tobytes())
@@ -58,17 +61,17 @@ def follow_poses(thing: Any, poses: Any) -> None:
     cache.frame_start = 1.0
 
 
-def build(job: Any) -> Any:
+def build(bpy: Any, job: Any, folder: str) -> Any:
     """Build the scene; return the cloth object."""
     settings = json.loads(str(job["settings"]))
     scene = bpy.context.scene
     scene.use_gravity, scene.gravity = True, (0.0, -GRAVITY, 0.0)
     scene.frame_start, scene.frame_end = 1, len(job["body"])
-    body = add_mesh("body", job["body"][0], job["body_faces"])
-    follow_poses(body, job["body"])
+    body = add_mesh(bpy, "body", job["body"][0], job["body_faces"])
+    follow_poses(body, job["body"], os.path.join(folder, "body.pc2"))
     body.modifiers.new("collision", "COLLISION")
     set_all(body.collision, settings["collider"])
-    garment = add_mesh("garment", job["positions"], job["faces"])
+    garment = add_mesh(bpy, "garment", job["positions"], job["faces"])
     cloth = garment.modifiers.new("cloth", "CLOTH")
     set_all(cloth.settings, settings["cloth"])
     cloth.settings.time_scale = 1.0 / (float(job["fps"]) * UNIT)
@@ -77,7 +80,7 @@ def build(job: Any) -> Any:
     return garment
 
 
-def positions_of(thing: Any) -> Any:
+def positions_of(bpy: Any, thing: Any) -> Any:
     """Return the vertices of an object as its modifiers leave it [m], shape (n, 3)."""
     mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     flat = np.empty(3 * len(mesh.vertices), np.float32)
@@ -88,19 +91,20 @@ def positions_of(thing: Any) -> Any:
 def main() -> None:
     """Run the job of the first argument and write the second."""
     job = np.load(sys.argv[-2])
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    garment = build(job)
+    folder = os.path.dirname(os.path.abspath(sys.argv[-1]))
+    bpy = start_blender(folder)
+    garment = build(bpy, job, folder)
     scene = bpy.context.scene
     scene.frame_set(1)
-    body = positions_of(bpy.data.objects["body"])
+    body = positions_of(bpy, bpy.data.objects["body"])
     if np.abs(body - job["body"][0]).max() > 1e-4:
         raise ValueError("Blender reads the poses of the body in other axes")
-    frames, cpu = [positions_of(garment)], 0.0
+    frames, cpu = [positions_of(bpy, garment)], 0.0
     for frame in range(2, scene.frame_end + 1):
         started = process_time()
         scene.frame_set(frame)
         cpu += process_time() - started
-        frames.append(positions_of(garment))
+        frames.append(positions_of(bpy, garment))
     np.savez(sys.argv[-1], positions=np.array(frames), cpu=cpu, blender=bpy.app.version_string)
     bpy.ops.wm.read_factory_settings(use_empty=True)
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-import mujoco
 import numpy as np
 
 POISSON = 0.3
@@ -46,6 +45,8 @@ def model_text(job: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run the job of the first argument and write the second."""
+    import mujoco
+
     job = json.loads(Path(sys.argv[1]).read_text())
     model = mujoco.MjModel.from_xml_string(model_text(job))
     data = mujoco.MjData(model)
