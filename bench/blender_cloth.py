@@ -80,7 +80,7 @@ def run_toile(scene: Scene, seconds: float = SECONDS, plan: FilmPlan | None = No
     started = process_time()
     record = film.run(seconds)
     cpu = process_time() - started
-    audit = film.clock.seconds["audit"]
+    audit = film.clock.cpu("audit")
     return Film(
         positions=np.array(frames),
         faces=cloth.face_nodes,

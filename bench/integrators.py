@@ -33,8 +33,8 @@ from toile.engine.film.integrators.bdf2 import bdf2
 from toile.engine.film.integrators.explicit_euler import explicit_euler
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.film.integrators.symplectic_euler import symplectic_euler
-from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
+from toile.geometry.stage_clock import StageClock
 from toile.studies.scenes.motion import (
     EXACT,
     LINEARISED,
@@ -210,10 +210,10 @@ def newton_step(cells: int) -> dict[str, object]:
         started = time.process_time()
         stepper.elastic_energy()
         spent = [time.process_time() - started]
-        clock = StageClock(now=time.process_time)
+        clock = StageClock()
         stepper.book_on(clock)
         iterations = stepper.step(request).cg_iterations
-        spent += [clock.seconds["assembly"], clock.seconds["solve"]]
+        spent += [clock.cpu("assembly"), clock.cpu("solve")]
         for share, seconds in zip(shares.values(), spent, strict=True):
             share.append(1e3 * seconds)
         stepper.restore(saved)

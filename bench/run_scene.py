@@ -40,7 +40,7 @@ def main() -> None:
     film = Simulation(scene.cloth, scene.avatar, scene.plan, on_frame)
     record = film.run(seconds)
     cpu = time.process_time() - started
-    shares = "  ".join(f"{stage} {100 * spent / cpu:.0f} %" for stage, spent in film.clock.seconds.items())
+    shares = "  ".join(f"{stage} {100 * spent.cpu / cpu:.0f} %" for stage, spent in film.clock.spent.items())
     collisions = film.stepper.collisions
     searches = 0 if collisions is None else collisions.search.rebuilds
     print(

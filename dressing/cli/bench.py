@@ -6,6 +6,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from toile.dressing.cli.film import add_film_options, run_film, run_memory
 from toile.dressing.cli.parser import DONE, MISSED, Commands, Parser, say_progress
 from toile.geometry.errors import InputError
 
@@ -18,11 +19,18 @@ DESCRIPTION = """\
 toile bench [NAME ...]  error against CPU time of the scenes cantilever, swing, hang, sphere, shirt
 toile bench compare OLD.json NEW.json  regressions in time or accuracy between two stored reports
 toile bench remesh      adaptive against uniform meshes
+toile bench film [walk] [skirt] [layers]  what garments on moving bodies cost, this version beside another
+toile bench memory      whether the memory of a long film stays flat
 
 The exit code is 1 if a bar is missed or a point has become worse."""
 
 REPORT_OPTIONS = ("quick", "repeats", "out", "json")
-OWN_OPTIONS = {"remesh": ("repeats", "json", "scene", "seconds"), "compare": ("ratio",)}
+OWN_OPTIONS = {
+    "remesh": ("repeats", "json", "scene", "seconds"),
+    "compare": ("ratio",),
+    "film": ("repeats", "json", "against", "blender", "still", "avatar", "garment", "quality", "frames"),
+    "memory": ("frames",),
+}
 """Options that the report takes, and those of the other studies."""
 
 
@@ -34,7 +42,9 @@ def add_bench(commands: "Commands[Parser]") -> None:
         description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    bench.add_argument("name", nargs="*", metavar="NAME", help="scenes, or remesh, or compare OLD NEW")
+    bench.add_argument(
+        "name", nargs="*", metavar="NAME", help="scenes, or remesh, compare OLD NEW, film, memory"
+    )
     bench.add_argument(
         "--quick",
         action="store_true",
@@ -55,6 +65,7 @@ def add_bench(commands: "Commands[Parser]") -> None:
     bench.add_argument(
         "--seconds", type=float, metavar="S", help="remesh: length of the films instead of the scenes' own"
     )
+    add_film_options(bench)
     bench.set_defaults(run=_run_bench)
 
 
@@ -83,6 +94,10 @@ def _run_bench(options: argparse.Namespace) -> int:
             )
     if study == "compare":
         return run_compare(options.name[1:], options.ratio)
+    if study == "film":
+        return run_film(options)
+    if study == "memory":
+        return run_memory(options)
     if study == "remesh":
         if len(options.name) > 1:
             raise InputError(f"remesh takes no names; choose scenes with --scene, not '{options.name[1]}'")

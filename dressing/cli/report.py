@@ -25,7 +25,9 @@ def run_report(options: argparse.Namespace) -> int:
 
     for name in options.name:
         if name not in STUDIES:
-            raise InputError(unknown_name("scene or study", name, (*STUDIES, "remesh", "compare")))
+            raise InputError(
+                unknown_name("scene or study", name, (*STUDIES, "remesh", "compare", "film", "memory"))
+            )
     names = list(dict.fromkeys(options.name or STUDIES))
     folder = None if options.out is None else writable_folder(options.out)
     effort = Effort(options.quick, options.repeats or (1 if options.quick else REPEATS), say_progress)
@@ -64,10 +66,12 @@ def _store(charts: "Sequence[Chart]", options: argparse.Namespace, folder: Path 
     """Write what is done so far to wherever it shall go."""
     from toile.dressing.run.report import versions
     from toile.studies.speed_error.machine import machine
+    from toile.studies.speed_error.mujoco_peer import peer_versions
     from toile.studies.speed_error.stored import Report, write_report
     from toile.studies.speed_error.write import write_pages
 
-    report = Report(quick=options.quick, machine=machine(), versions=versions(), charts=tuple(charts))
+    said = versions() | peer_versions()
+    report = Report(quick=options.quick, machine=machine(), versions=said, charts=tuple(charts))
     if options.json is not None:
         write_report(options.json, report)
     if folder is not None:

@@ -1,6 +1,5 @@
 """From a scene to dressed garments: load, mesh, drape, write."""
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, save_report, save_shapes
 from toile.dressing.run.scene import Scene
+from toile.geometry.stage_clock import now, together
 
 if TYPE_CHECKING:
     from toile.engine.film.plan import FilmState
@@ -118,24 +118,26 @@ def _followed(
     from toile.dressing.run.follow import follow, write_film
 
     assert hung.body.motion is not None
-    wall, cpu = time.perf_counter(), time.process_time()
+    started = now()
     if checkpoint is not None and state is None:
         checkpoint.hung(hung)
     followed = follow(scene, hung, checkpoint, listener, state)
+    written = now()
     if checkpoint is not None:
         fps, count = hung.body.motion.fps, followed.figures["frames"] + 1
         if write_film(checkpoint.output, followed.garments, fps, count) is None:
             listener.say(
                 "no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/"
             )
+    stages = together(followed.stages, {"io": now().less(written)})
     status = hung.drape.status
     if followed.failure is not None:
         status = "failed"
     elif followed.cancelled:
         status = "cancelled"
     report = with_animation(
-        hung.report, status, followed.failure, followed.figures, followed.stage_seconds,
-        time.perf_counter() - wall, time.process_time() - cpu,
+        hung.report, status, followed.failure, followed.figures, stages,
+        now().less(started),
     )  # fmt: skip
     return Result(
         status=status, report=report, avatar=followed.avatar, garments=followed.garments,

@@ -32,7 +32,7 @@ from toile.engine.film.plan import (
     FilmState,
 )
 from toile.engine.film.simulate import Simulation
-from toile.engine.step.options import StageClock
+from toile.geometry.stage_clock import Spent, StageClock
 
 BODY_NAME = "body"
 TIGHT = 0.4
@@ -50,7 +50,7 @@ class Followed:
     failure: Failure | None
     cancelled: bool
     figures: dict[str, Any]
-    stage_seconds: dict[str, float]
+    stages: dict[str, Spent]
 
 
 def frame_path(frames: Path, name: str, index: int) -> Path:
@@ -99,16 +99,18 @@ def follow(
     """
     motion = hung.body.motion
     assert motion is not None
-    started = time.perf_counter()
+    started, clock = time.perf_counter(), StageClock()
     last = len(motion.frames) - 1
     shown = _Shown(hung, None if checkpoint is None else writable_folder(checkpoint.output / FRAMES))
     on_frame = listener.on_frame(scene.tolerance)
 
     def on_film_frame(frame: FilmFrame) -> bool:
+        now = clock.now()
         shown.take(frame)
         listener.record(frame.index, shown.garments)
         if frame.index and checkpoint is not None:
             checkpoint.frame(film.state())
+        clock.add("io", now)
         return on_frame(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
@@ -118,7 +120,7 @@ def follow(
 
     body = (hung.body.vertices, hung.body.faces)
     film = Simulation(
-        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, StageClock(),
+        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, clock,
         hung.drape.pin_motion,
     )  # fmt: skip
     done = 0
@@ -132,7 +134,7 @@ def follow(
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing), cancelled=made.cancelled, figures=_figures(made, motion.fps),
-        stage_seconds=film.clock.seconds,
+        stages=clock.spent,
     )  # fmt: skip
 
 

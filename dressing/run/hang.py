@@ -1,6 +1,5 @@
 """Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -24,7 +23,7 @@ from toile.dressing.run.kernels import (
 )
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.load_garment import load_garment, pinned_vertices
-from toile.dressing.run.report import RunSeconds, drape_report
+from toile.dressing.run.report import RunSpent, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import MannequinSize
@@ -32,6 +31,7 @@ from toile.dressing.run.scene_avatar import load_dress_form
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
+from toile.geometry.stage_clock import Spent, now, together
 
 HANGING = np.radians(65.0)
 """Arms that are lower than this leave sleeves little room [rad]."""
@@ -43,13 +43,13 @@ LAST_WORK = 1e6
 
 @dataclass(frozen=True)
 class _Sewing:
-    """The last sewing attempt, and the wall time of all attempts [s]: reading, and by stages."""
+    """The last sewing attempt, and the time of all attempts: reading, and by stages."""
 
     cloth: list[tuple[GarmentMesh, Fabric]]
     options: DrapeOptions
     outcome: DrapeOutcome
-    reading_seconds: float
-    stage_seconds: dict[str, float]
+    reading: Spent
+    stages: dict[str, Spent]
 
 
 def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener) -> Hung:
@@ -58,15 +58,15 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     `checkpoint` is where the scene is noted once all of it is read, or None. Raises InputError if a file is
     at fault, or a garment cannot be put on its avatar.
     """
-    wall, cpu = time.perf_counter(), time.process_time()
+    started = now()
     avatar, form = load_dress_form(scene.avatar, scene.measurements)
     for note in (*avatar.notes, *form.notes):
         listener.say(f"{avatar.name}: {note}")
     for note in _doubts(scene, form):
         listener.say(f"{avatar.name}: {note}")
-    compile_seconds = load_scene_kernels(scene, checkpoint is not None, listener)
+    loading = load_scene_kernels(scene, checkpoint is not None, listener)
     _say_jump(avatar, listener)
-    reading_seconds = time.perf_counter() - wall - compile_seconds
+    reading = now().less(started).less(loading)
     sewing = _sew(scene, form, checkpoint, listener)
     outcome = sewing.outcome
     for note in outcome.notes:
@@ -80,19 +80,14 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     report = drape_report(
         status=outcome.status,
         failure=outcome.failure,
-        figures=replace(outcome.figures, stage_seconds=sewing.stage_seconds),
+        figures=replace(outcome.figures, stages=sewing.stages),
         quality=scene.quality,
         options=sewing.options,
         avatar=_avatar_facts(avatar),
         garments=[
             _garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, sewing.cloth, strict=False)
         ],
-        seconds=RunSeconds(
-            wall=time.perf_counter() - wall,
-            cpu=time.process_time() - cpu,
-            io=reading_seconds + sewing.reading_seconds,
-            compile=compile_seconds,
-        ),
+        spent=RunSpent(total=now().less(started), io=reading.plus(sewing.reading), compile=loading),
     )
     return Hung(
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
@@ -129,12 +124,12 @@ def _say_jump(avatar: Avatar, listener: Listener) -> None:
         listener.say(f"{avatar.name}: {jump}")
 
 
-def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) -> float:
-    """Import what a scene needs of the modules that hold kernels; return the seconds that took.
+def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) -> Spent:
+    """Import what a scene needs of the modules that hold kernels; return the time that took.
 
     Kernels are compiled when they are imported for the first time, and loaded from disk afterwards.
     """
-    started = time.perf_counter()
+    started = now()
     from toile.geometry.kernel import WARM
 
     if not WARM:
@@ -148,23 +143,23 @@ def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) ->
         modules += PICTURE_KERNELS
     load_kernels(modules)
     import_module("toile.dressing.wear.put_on")
-    return time.perf_counter() - started
+    return now().less(started)
 
 
 def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, listener: Listener) -> _Sewing:
     """Read and drape the garments, in other triangles where seams jam."""
     from toile.dressing.wear.put_on import drape
 
-    reading_seconds = 0.0
-    stage_seconds: dict[str, float] = {}
-    spent = last_work = 0
+    reading = Spent()
+    stages: dict[str, Spent] = {}
+    work = last_work = 0
     for edges in scene.sewing:
-        started = time.perf_counter()
+        started = now()
         meshes = [load_garment(garment, form, edges) for garment in scene.garments]
         options = _options(scene, meshes, edges, floor_height(scene.ground, form))
-        if spent >= MOST_RETRIED:
+        if work >= MOST_RETRIED:
             options = replace(options, persistent=True, most_work=max(LAST_WORK, 2.0 * last_work))
-        reading_seconds += time.perf_counter() - started
+        reading = reading.plus(now().less(started))
         cloth = [
             (mesh, _as_thick(garment.fabric, mesh.thickness))
             for mesh, garment in zip(meshes, scene.garments, strict=True)
@@ -173,13 +168,12 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
         outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
-        for stage, seconds in outcome.figures.stage_seconds.items():
-            stage_seconds[stage] = stage_seconds.get(stage, 0.0) + seconds
-        spent, last_work = spent + outcome.work, outcome.work
+        stages = together(stages, outcome.figures.stages)
+        work, last_work = work + outcome.work, outcome.work
         if not outcome.gave_up:
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
-    return _Sewing(cloth, options, outcome, reading_seconds, stage_seconds)
+    return _Sewing(cloth, options, outcome, reading, stages)
 
 
 def floor_height(ground: bool | float, form: DressForm) -> float | None:

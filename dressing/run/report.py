@@ -3,23 +3,26 @@
 import json
 import math
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, Status
+from toile.geometry.stage_clock import Spent, together
 
-STAGES = ("assembly", "solve", "contact", "remesh", "io", "compile")
+STAGES = ("assembly", "solve", "contact", "avatar", "remesh", "audit", "io", "compile")
+"""What time is booked under; what is not is `other`, so that the stages add up to the whole run."""
+OTHER = "other"
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunSeconds:
-    """Time of a drape [s]: wall and CPU time in all, wall time of reading and of loading kernels."""
+class RunSpent:
+    """Time of a drape: in all, of reading, and of loading kernels."""
 
-    wall: float
-    cpu: float
-    io: float
-    compile: float
+    total: Spent
+    io: Spent
+    compile: Spent
 
 
 def drape_report(
@@ -31,12 +34,10 @@ def drape_report(
     options: DrapeOptions,
     avatar: dict[str, Any],
     garments: list[dict[str, Any]],
-    seconds: RunSeconds,
+    spent: RunSpent,
 ) -> dict[str, Any]:
     """Return the report as plain data, numbers that are not finite replaced by None."""
-    stages = {stage: 0.0 for stage in STAGES} | dict(figures.stage_seconds)
-    stages["io"] += seconds.io
-    stages["compile"] += seconds.compile
+    stages = together(figures.stages, {"io": spent.io, "compile": spent.compile})
     report = {
         "status": status,
         "failure": None if failure is None else _failure_facts(failure),
@@ -77,9 +78,7 @@ def drape_report(
             facts | {"area_m2": area, "cut_area_m2": cut}
             for facts, (area, cut) in zip(garments, figures.areas, strict=True)
         ],
-        "wall_seconds": seconds.wall,
-        "cpu_seconds": seconds.cpu,
-        "stage_seconds": stages,
+        **_times(spent.total, stages),
         "versions": versions(),
     }
     plain: dict[str, Any] = _plain(report)
@@ -88,24 +87,37 @@ def drape_report(
 
 def with_animation(
     report: dict[str, Any], status: Status, failure: Failure | None, figures: dict[str, Any],
-    stage_seconds: dict[str, float], wall_seconds: float, cpu_seconds: float,
+    stages: Mapping[str, Spent], total: Spent,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the report of a drape whose garments then followed their avatar, with the figures of that."""
-    stages = dict(report["stage_seconds"])
-    for stage, seconds in stage_seconds.items():
-        stages[stage] = stages.get(stage, 0.0) + seconds
+    before = {
+        stage: Spent(cpu, report["stage_wall_seconds"][stage])
+        for stage, cpu in report["stage_cpu_seconds"].items()
+        if stage != OTHER
+    }
+    whole = Spent(report["cpu_seconds"], report["wall_seconds"]).plus(total)
     plain: dict[str, Any] = _plain(
         report
         | {
             "status": status,
             "failure": _failure_facts(failure) if failure is not None else report["failure"],
             "animation": figures,
-            "wall_seconds": report["wall_seconds"] + wall_seconds,
-            "cpu_seconds": report["cpu_seconds"] + cpu_seconds,
-            "stage_seconds": stages,
         }
+        | _times(whole, together(before, stages))
     )
     return plain
+
+
+def _times(total: Spent, stages: Mapping[str, Spent]) -> dict[str, Any]:
+    """Return CPU and wall time [s] in all and per stage: stages add up to the total."""
+    booked = {stage: Spent() for stage in STAGES} | dict(stages)
+    booked[OTHER] = total.less(together(*({"": spent} for spent in booked.values()))[""])
+    return {
+        "cpu_seconds": total.cpu,
+        "wall_seconds": total.wall,
+        "stage_cpu_seconds": {stage: spent.cpu for stage, spent in booked.items()},
+        "stage_wall_seconds": {stage: spent.wall for stage, spent in booked.items()},
+    }
 
 
 def _failure_facts(failure: Failure) -> dict[str, str]:

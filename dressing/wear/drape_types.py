@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
+from toile.geometry.stage_clock import Spent, together
 from toile.remesh.sizing.sizing import SizingOptions
 
 if TYPE_CHECKING:
@@ -142,8 +143,8 @@ class DrapeFigures:
     pop
         How much farther a node moved in the step after a remeshing of cloth at rest than in the one before,
         at which the drape counted as settled [m].
-    stage_seconds
-        Wall time per stage [s]; stages that a scene did not need are missing.
+    stages
+        CPU and wall time per stage; stages that a scene did not need are missing.
     """
 
     frames: int
@@ -170,7 +171,7 @@ class DrapeFigures:
     collapses: int
     energy_jump_max: float
     pop: float
-    stage_seconds: dict[str, float] = field(default_factory=dict)
+    stages: Mapping[str, Spent] = field(default_factory=dict)
 
 
 def in_all(parts: list[DrapeFigures], last: DrapeFigures) -> DrapeFigures:
@@ -181,17 +182,13 @@ def in_all(parts: list[DrapeFigures], last: DrapeFigures) -> DrapeFigures:
         "flips", "collapses",
     )  # fmt: skip
     most = ("contacts_max", "worst_frame_intersections", "energy_jump_max", "pop")
-    seconds: dict[str, float] = {}
-    for part in every:
-        for stage, spent in part.stage_seconds.items():
-            seconds[stage] = seconds.get(stage, 0.0) + spent
 
     def counts(name: str) -> tuple[int, int, int]:
         first, _, largest = (sum(getattr(part, name)[k] for part in parts) for k in range(3))
         return first, getattr(last, name)[1], max(largest, getattr(last, name)[2])
 
     return replace(
-        last, nodes=counts("nodes"), faces=counts("faces"), stage_seconds=seconds,
+        last, nodes=counts("nodes"), faces=counts("faces"), stages=together(*(part.stages for part in every)),
         **{name: sum(getattr(part, name) for part in every) for name in summed},
         **{name: max(getattr(part, name) for part in every) for name in most},
     )  # fmt: skip

@@ -336,5 +336,5 @@ def _figures(run: Drape, meshes: list[GarmentMesh], place: Place) -> DrapeFigure
         collapses=sum(done.collapses for done in record.remeshings),
         energy_jump_max=max((done.energy_jump for done in record.remeshings), default=0.0),
         pop=record.pop,
-        stage_seconds=run.clock.seconds,
+        stages=run.clock.spent,
     )

@@ -15,9 +15,9 @@ from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.wind import Wind
 from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
-from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.stage_clock import StageClock
 from toile.remesh.adapt.adapt import adapt
 from toile.remesh.adapt.momentum import Motion, with_momentum_of
 from toile.remesh.adapt.transfer import TransferMap
@@ -129,7 +129,7 @@ def remesh_run(
     before = stepper.elastic_energy()
     former = run.cloth, stepper
     # All that it takes counts as remeshing, not as assembly or contact.
-    clock, run.clock = run.clock, StageClock(now=run.clock.now)
+    clock, run.clock = run.clock, StageClock()
     ClothRun.restart(run, found.cloth, found.anchors, found.memory)
     stepper = run.stepper
     velocities = stepper.v

@@ -50,7 +50,9 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
             let_pass_crossings(drape, drape.audit())
             break
         shape = target if share == 1.0 else start + share * (target - start)
+        now = drape.clock.now()
         left = grow_avatar(drape.stepper, shape, 2.0 * per_step, carry=waiting and tight)
+        drape.clock.add("avatar", now)
         drape.auditor = None
         drape.take(
             StepRequest(

@@ -11,9 +11,10 @@ from toile.engine.drape.plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
-from toile.engine.step.options import StageClock, StepOutcome
+from toile.engine.step.options import StepOutcome
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.stage_clock import StageClock
 
 MOVED, MOVED_AT_END = 0.5, 0.1
 """RMS motion since the last remeshing, in shortest edges, at which a mesh is adapted again."""

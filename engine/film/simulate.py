@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from copy import deepcopy
 from math import inf
-from time import process_time
 
 import numpy as np
 
@@ -16,8 +15,8 @@ from toile.engine.film.plan import FilmFrame, FilmPlan, FilmRecord, FilmState
 from toile.engine.film.step_sizes import StepLimits, StepSizes
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
-from toile.engine.step.options import StageClock
 from toile.geometry.arrays import Float, Int
+from toile.geometry.stage_clock import StageClock
 
 MOVED = 1.0
 """RMS motion since the last remeshing, drift aside, at which a mesh is adapted again, in shortest edges."""
@@ -37,8 +36,7 @@ class Simulation(ClothRun):
     The avatar is given as (vertices, faces) where it is at the start; it follows `motion`, from time 0, or
     does not move. Where cloth is caught between two skins, it holds them back: the avatar stays behind its
     motion there until they part. Pins and goals follow the handles of the cloth, which go along `pin_motion`.
-    `on_frame` is called with every audited frame and ends the film by returning False. Stages are clocked by
-    CPU time unless `clock` does otherwise.
+    `on_frame` is called with every audited frame and ends the film by returning False.
     """
 
     def __init__(
@@ -46,7 +44,7 @@ class Simulation(ClothRun):
         on_frame: Callable[[FilmFrame], bool], motion: VertexMotion | None = None,
         clock: StageClock | None = None, pin_motion: VertexMotion | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(cloth, avatar, plan.step, clock or StageClock(now=process_time))
+        super().__init__(cloth, avatar, plan.step, clock or StageClock())
         self.plan = plan
         self.on_frame = on_frame
         self.motion = motion
@@ -130,6 +128,7 @@ class Simulation(ClothRun):
         stepper, skin = self.stepper, self.skin
         if length and skin.reaches(stepper.x + length * stepper.v):
             return
+        now = self.clock.now()
         path, left = self.path, self._frame_time() + self.plan.frame_seconds - since
         if length:
             skin.whole(path.at(since, self._all))
@@ -140,11 +139,14 @@ class Simulation(ClothRun):
         self.surface = near.surface
         self._driven_speed = max(self._driven_speed, near.longest_way / left)
         stepper.meet(near.surface, near.roam)
+        self.clock.add("avatar", now)
 
     def _jumps(self) -> bool:
         """Whether avatar or pins jump until the next frame: no cloth can follow."""
         if self.path is not None and self.skin is not None:
+            now = self.clock.now()
             self.path.see(self.skin.vertices, self.stepper.x)
+            self.clock.add("avatar", now)
         self._driven_speed = 0.0
         for motion, name, point in (
             (self.motion, "the avatar jumps", "its vertex"), (self.pin_motion, "pins jump", "handle")
@@ -206,13 +208,18 @@ class Simulation(ClothRun):
         return StepRequest(
             h=length, at_rest=False, newton=plan.newton, newton_tolerance=plan.newton_tolerance,
             cg_tolerance=plan.cg_tolerance, motion_max=inf,
-            avatar_target=self._avatar(until),
+            avatar_target=self._avatar_at(until),
             pin_target=self._pins(until), seconds=until,
         )  # fmt: skip
 
-    def _avatar(self, seconds: float) -> Float | None:
-        """Where the part of the avatar near cloth goes at a time [m], shape (k, 3)."""
-        return None if self.path is None or self.skin is None else self.path.at(seconds, self.skin.part)
+    def _avatar_at(self, seconds: float) -> Float | None:
+        """Where the part of the avatar near cloth goes at a time [m], shape (k, 3); None if it stands still."""
+        if self.path is None or self.skin is None:
+            return None
+        now = self.clock.now()
+        place = self.path.at(seconds, self.skin.part)
+        self.clock.add("avatar", now)
+        return place
 
     def _pins(self, seconds: float) -> Float | None:
         """Where handles take pins and goals at a time [m], shape (n, 3); only their rows count."""
@@ -231,7 +238,7 @@ class Simulation(ClothRun):
         if self.path is None and self.pin_motion is None:
             return
         now = self._frame_time() + plan.frame_seconds
-        target, pins = self._avatar(now), self._pins(now)
+        target, pins = self._avatar_at(now), self._pins(now)
         arrived = ARRIVED if pins is None else PINNED
         lag, place = self._behind(target, pins)
         if lag > arrived:

@@ -14,10 +14,11 @@ from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.wind import Wind
 from toile.engine.step.collisions import Collisions
 from toile.engine.step.nodes import Nodes
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Float
 from toile.geometry.normals import vertex_normals
+from toile.geometry.stage_clock import StageClock
 
 
 def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:

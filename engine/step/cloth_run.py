@@ -8,8 +8,9 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.membrane import Membrane
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.memory import Memory
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float, Int
+from toile.geometry.stage_clock import StageClock
 
 
 class ClothRun:
@@ -51,10 +52,12 @@ class ClothRun:
 
     def audit(self) -> Crossings:
         """Find crossings of the cloth as it is; the auditor is made anew after the avatar has moved."""
-        stepper = self.stepper
+        now = self.clock.now()
         if self.auditor is None:
             self.auditor = Auditor(*self.body())
-        return self.auditor.audit(stepper.x, self.cloth.face_nodes, self.cloth.weld)
+        crossings = self.auditor.audit(self.stepper.x, self.cloth.face_nodes, self.cloth.weld)
+        self.clock.add("audit", now)
+        return crossings
 
     def body(self) -> tuple[Float | None, Int | None]:
         """Vertices [m], shape (v, 3), and faces, (t, 3), of the whole avatar as it is."""
@@ -62,11 +65,8 @@ class ClothRun:
 
     def audited_cloth(self) -> Crossings:
         """Take the stepper's positions and velocities over into the cloth; return its crossings."""
-        now = self.clock.now()
         self.cloth = replace(self.cloth, positions=self.stepper.x.copy(), velocities=self.stepper.v.copy())
-        crossings = self.audit()
-        self.clock.add("audit", now)
-        return crossings
+        return self.audit()
 
     def warp_weft_strain(self) -> Float:
         """Strain along warp and weft of every face now, shape (t, 2)."""

@@ -13,8 +13,8 @@ from toile.engine.solve.linear_system import NO_CONTACTS, ContactStencils, Linea
 from toile.engine.solve.preconditioner.base import Preconditioner
 from toile.engine.solve.preconditioner.block_jacobi import BlockJacobi
 from toile.engine.solve.preconditioner.choice import make_preconditioner
-from toile.engine.step.options import StageClock
 from toile.geometry.arrays import Bool, Float
+from toile.geometry.stage_clock import StageClock
 
 RUBBINGS, RUBBED = 3, 0.1
 """How often friction is worked out anew in one iteration, while it changes by more than that share."""

@@ -1,8 +1,7 @@
-"""Options and outcome of the implicit step, and the clock of its stages."""
+"""Options and outcome of the implicit step."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from time import perf_counter
 
 import numpy as np
 
@@ -73,17 +72,3 @@ class StepOutcome:
     limited: int = 0
     min_gap: float = np.inf
     error: float | None = None
-
-
-@dataclass
-class StageClock:
-    """Seconds spent per stage, by `now`: of wall time, or of any other clock."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    now: Callable[[], float] = perf_counter
-
-    def add(self, stage: str, since: float) -> float:
-        """Book the time since `since` under `stage`; return now."""
-        now = self.now()
-        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - since
-        return now

@@ -29,10 +29,11 @@ from toile.engine.step.iteration_solver import Iteration, IterationSolver
 from toile.engine.step.line_search import accepted_share
 from toile.engine.step.memory import Before, Memory, Saved
 from toile.engine.step.nodes import Nodes
-from toile.engine.step.options import StageClock, StepOptions, StepOutcome
+from toile.engine.step.options import StepOptions, StepOutcome
 from toile.engine.step.stages import Stage
 from toile.engine.step.state import Instant, StepInProgress
 from toile.geometry.arrays import Bool, Float
+from toile.geometry.stage_clock import StageClock
 
 Some = TypeVar("Some")
 

@@ -12,8 +12,9 @@ from toile.engine.film.step_sizes import StepLimits, StepSizes
 from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
+from toile.geometry.stage_clock import StageClock
 from toile.studies.scenes.scenes import film_plan
 
 LOOSEST = 0.1

@@ -97,11 +97,11 @@ def run_film(
         cpu=cpu,
         faces=float(np.mean(record.faces)),
         crossings=sum(map(sum, record.crossings)),
-        remesh_share=film.clock.seconds.get("remesh", 0.0) / cpu,
+        remesh_share=film.clock.cpu("remesh") / cpu,
         energy_jump=max(jumps, default=0.0),
         energy_drop=-min(jumps, default=0.0),
         drape_coefficient=float(np.mean(shadows)) / float(scene.cloth.rest_area.sum()),
-        audit_share=film.clock.seconds["audit"] / cpu,
+        audit_share=film.clock.cpu("audit") / cpu,
         strain_max=max(record.stretch_max),
         steps=record.steps,
         surfaces=tuple(surfaces),
@@ -123,12 +123,12 @@ def run_shirt(edge: float, sizing: SizingOptions | None) -> Run:
     load_all_kernels()
     result = dress(scene, progress=count)
     report, garment = result.report, result.garments[0]
-    cpu = report["cpu_seconds"] - report["stage_seconds"]["compile"]
+    cpu = report["cpu_seconds"] - report["stage_cpu_seconds"]["compile"]
     return Run(
         cpu=cpu,
         faces=float(np.mean(faces)),
         crossings=report["intersections"]["worst_frame"],
-        remesh_share=report["stage_seconds"]["remesh"] / cpu,
+        remesh_share=report["stage_cpu_seconds"]["remesh"] / cpu,
         energy_jump=report["remeshing"]["energy_jump_max"],
         energy_drop=0.0,
         drape_coefficient=0.0,

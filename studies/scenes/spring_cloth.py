@@ -13,9 +13,10 @@ from toile.engine.forces.force import Force
 from toile.engine.forces.spring import SpringDamping, Springs
 from toile.engine.forces.wind import Wind
 from toile.engine.step.nodes import Nodes
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.stage_clock import StageClock
 from toile.geometry.topology import triangle_topology
 
 BENDING_TURN = 0.3

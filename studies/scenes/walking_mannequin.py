@@ -1,4 +1,4 @@
-"""The built-in mannequin walking from a standing start: legs and arms swing, the trunk moves on."""
+"""The built-in mannequin in motion: it walks from a standing start, or turns about on the spot."""
 
 import numpy as np
 
@@ -14,6 +14,8 @@ LEG_SWING, ARM_SWING, ARM_LOWERED = np.radians((24.0, 18.0, 22.0))
 """Largest swing of legs and arms, and how far arms are let down, all [rad]."""
 STARTING = 0.5
 """Time after which it walks at full swing [s]."""
+TURN, TURN_SECONDS = np.pi, 0.8
+"""How far it turns about the vertical [rad], and in what time [s]."""
 HIP = 0.53
 """Level of the hip joints, in heights."""
 
@@ -26,6 +28,23 @@ def walk(body: Avatar, frames: int) -> VertexMotion:
     """
     poses = np.stack([_pose(body.vertices, index / FPS) for index in range(frames)])
     return VertexMotion(frames=poses, fps=FPS)
+
+
+def in_a_loop(body: Avatar, frames: int) -> VertexMotion:
+    """Return `frames` frames of a mannequin that walks on the spot; in single precision, as may be many."""
+    poses = np.empty((frames, *body.vertices.shape), np.float32)
+    for index in range(frames):
+        poses[index] = _pose(body.vertices, index / FPS) - (0.0, 0.0, _walked(index / FPS))
+    return VertexMotion(frames=poses, fps=FPS)
+
+
+def turn(body: Avatar, frames: int) -> VertexMotion:
+    """Return `frames` frames of a body that turns half around to its left, stiffly, and then stands."""
+    poses = [
+        _turned(body.vertices, np.full(len(body.vertices), TURN * _eased(index / FPS / TURN_SECONDS)), axis=1)
+        for index in range(frames)
+    ]
+    return VertexMotion(frames=np.stack(poses), fps=FPS)
 
 
 def _pose(vertices: Float, seconds: float) -> Float:
@@ -52,8 +71,12 @@ def _pose(vertices: Float, seconds: float) -> Float:
     posed = hip + _turned(posed - hip, -leg * LEG_SWING * swing, axis=0)
     # The trunk sinks as the legs part.
     sunk = CROTCH * height * (1.0 - np.cos(LEG_SWING * swing))
-    walked = SPEED * (max(seconds - STARTING, 0.0) + 0.5 * min(seconds, STARTING) ** 2 / STARTING)
-    return np.asarray(posed + np.array([0.0, -sunk, walked]))
+    return np.asarray(posed + np.array([0.0, -sunk, _walked(seconds)]))
+
+
+def _walked(seconds: float) -> float:
+    """How far it has come at a time [m]."""
+    return SPEED * (max(seconds - STARTING, 0.0) + 0.5 * min(seconds, STARTING) ** 2 / STARTING)
 
 
 def _turned(points: Float, angle: Float, axis: int) -> Float:

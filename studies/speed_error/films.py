@@ -21,7 +21,7 @@ from toile.studies.adaptive.surface_distance import mean_surface_distance
 from toile.studies.scenes.run import Run, run_film
 from toile.studies.scenes.scenes import BenchmarkScene
 from toile.studies.speed_error.point import Chart, Effort, Point
-from toile.studies.speed_error.timed import repeated
+from toile.studies.speed_error.timed import Timing, repeated
 
 Change = Callable[[FilmPlan], FilmPlan]
 Preconditioning = Callable[[LinearSystem], Preconditioner]
@@ -100,17 +100,24 @@ class FilmStudy:
     def point(self, effort: Effort, way: Way, reference: Run) -> Point:
         """Compute the film, more than once where that is quick, and compare it with the reference."""
         run, timing = repeated(lambda: self.clocked(way), effort.repeats)
-        error = distance(run, reference)
+        point = self.point_of(way.curve, way.label, run, timing, reference)
         effort.say(
-            f"{self.name}, {way.curve}, {way.label}: {error:.3g} mm, {timing.cpu:.1f} CPU s, "
+            f"{self.name}, {way.curve}, {way.label}: {point.error:.3g} mm, {timing.cpu:.1f} CPU s, "
             f"{run.crossings} crossings"
         )
+        return point
+
+    def point_of(
+        self, curve: str, label: str, run: Run, timing: Timing, reference: Run, seconds: float = SECONDS
+    ) -> Point:
+        """Compare a film of a length [s] with the reference."""
+        error = distance(run, reference)
         return Point(
-            curve=way.curve, label=way.label, cpu=timing.cpu, spread=timing.spread, repeats=timing.repeats,
+            curve=curve, label=label, cpu=timing.cpu, spread=timing.spread, repeats=timing.repeats,
             error=error, faces=run.faces, crossings=run.crossings,
             figures={
-                "CPU s per simulated s": timing.cpu / SECONDS,
-                "without the audit": (1.0 - run.audit_share) * timing.cpu / SECONDS,
+                "CPU s per simulated s": timing.cpu / seconds,
+                "without the audit": (1.0 - run.audit_share) * timing.cpu / seconds,
                 "strain max %": 100.0 * run.strain_max,
                 "shadow off by": abs(run.drape_coefficient - reference.drape_coefficient),
                 "steps": run.steps,

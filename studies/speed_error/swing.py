@@ -28,6 +28,7 @@ from toile.studies.scenes.motion import (
 )
 from toile.studies.scenes.spring_cloth import grid_springs, spring_stepper
 from toile.studies.scenes.swing import SECONDS, rms_distance, swing
+from toile.studies.speed_error.mujoco_peer import at_nodes_of, has_mujoco, mujoco_film, mujoco_point
 from toile.studies.speed_error.point import Bar, Chart, Effort, Point
 from toile.studies.speed_error.timed import timed
 
@@ -55,7 +56,13 @@ UNFOLDED = 0.5
 """After this the sheet folds up, and the smallest difference grows [s]."""
 EXACT_RATE = 2e-3
 """Error per second of the reference of the meshes [m/s]."""
-WANTED, TIME_BAR, RATIO_BAR = 0.010, 2.0, 5.0
+REFERENCE_STEPS = 960
+"""Steps per second of TR-BDF2 that serve as reference: half as many end 2 mm off with 50 x 50 cells."""
+EXACT = Solving(cg_tolerance=1e-3)
+"""Of the reference."""
+PEER_STEPS = (0.004, 0.002)
+"""Steps of MuJoCo [s], first order: with 1 ms it is still centimetres off."""
+WANTED, TIME_BAR, RATIO_BAR = 0.002, 1.5, 5.0
 """Bars: error [m] within so many CPU s; CPU time of backward Euler over that of TR-BDF2 at equal error."""
 
 Go = Callable[[ClothStepper], StepCounts]
@@ -122,12 +129,12 @@ def within(name: str, rate: float, seconds: float = SECONDS) -> Go:
 
 
 def triangles(cells: int, reference: int = 0) -> Sheet:
-    """Return the sheet of triangles on cells x cells; with where `reference` explicit steps take it."""
+    """Return the sheet of triangles on cells x cells; with where `reference` steps of TR-BDF2 take it."""
     cloth = swing(cells)
     end = cloth.positions
     if reference:
         stepper = free_stepper(cloth)
-        carried_on(stepper, symplectic_euler, SOLVED, SECONDS, 1.0 / reference)
+        equal(tr_bdf2, EXACT, reference)(stepper)
         end = stepper.x
     return Sheet(lambda: free_stepper(cloth), len(cloth.faces), end)
 
@@ -144,9 +151,9 @@ def springs(cells: int) -> Sheet:
 
 def _integrators(effort: Effort) -> Chart:
     """Error against time over step sizes and error targets."""
-    cells, steps = 20 if effort.quick else 50, 80_000
+    cells, steps = 20 if effort.quick else 50, REFERENCE_STEPS
     sheet = triangles(cells, steps)
-    coarse = sheet.advanced(equal(symplectic_euler, SOLVED, steps // 2))
+    coarse = sheet.advanced(equal(tr_bdf2, EXACT, steps // 2))
     effort.say(f"swing: reference of {cells} x {cells} cells is done")
 
     def error(x: Float) -> float:
@@ -168,16 +175,27 @@ def _integrators(effort: Effort) -> Chart:
             equal(symplectic_euler, SOLVED, explicit), error,
         )
     )  # fmt: skip
+    if not effort.quick and has_mujoco(effort.say, "swing"):
+        points += _peers(effort, cells, error)
     return Chart(
         scene="swing",
         title=f"time steps, {cells} x {cells} cells",
         error="root mean square distance of the nodes after 1 s",
         unit="mm",
-        reference=f"symplectic Euler in steps of 1/{steps} s",
+        reference=f"TR-BDF2 in steps of 1/{steps} s",
         floor=1e3 * rms_distance(coarse, sheet.end),
         points=tuple(points),
         bars=() if effort.quick else _bars(points),
     )
+
+
+def _peers(effort: Effort, cells: int, error: Callable[[Float], float]) -> Iterator[Point]:
+    """Measure MuJoCo, on the same grid."""
+    for step in PEER_STEPS:
+        film = mujoco_film("swing", cells, SECONDS, step)
+        off = 1e3 * error(at_nodes_of(swing(cells).positions, film))
+        effort.say(f"swing, MuJoCo, {1e3 * step:g} ms: {off:.3g} mm, {film.cpu:.1f} CPU s")
+        yield mujoco_point(film, step, off, 0, cells)
 
 
 def _bars(points: Sequence[Point]) -> tuple[Bar, ...]:

@@ -10,9 +10,9 @@ from toile.engine.forces.force import Force
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.nodes import Nodes
-from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.stage_clock import StageClock
 from toile.studies.scenes.flat_meshes import mesh
 from toile.studies.scenes.motion import free_options
 

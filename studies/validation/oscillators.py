@@ -7,8 +7,8 @@ import numpy as np
 from toile.engine.film.integrators.integrator import Integrator
 from toile.engine.forces.spring import Springs
 from toile.engine.step.nodes import Nodes
-from toile.engine.step.options import StageClock
 from toile.engine.step.step import ClothStepper
+from toile.geometry.stage_clock import StageClock
 from toile.studies.scenes.motion import Solving, carried_on, free_options, total_energy
 
 

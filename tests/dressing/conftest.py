@@ -20,6 +20,7 @@ from toile.dressing.wear.drape_types import (
     Status,
 )
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.stage_clock import Spent
 
 if TYPE_CHECKING:
     from toile.engine.cloth.cloth import Cloth
@@ -86,7 +87,7 @@ class FakeDrape:
             collapses=0,
             energy_jump_max=0.0,
             pop=0.0,
-            stage_seconds={"solve": 0.25, "io": 0.5},
+            stages={"solve": Spent(0.25, 0.5), "io": Spent(0.5, 1.0)},
         )
         failure = Failure(kind="tangled", message="cannot move", where="panel front")
         return DrapeOutcome(

@@ -56,6 +56,16 @@ def test_every_frame_is_written_and_none_crosses(whole: Path) -> None:
     assert not (whole / ".resume").exists()
 
 
+def test_stages_are_apart_and_add_up_to_the_time_of_the_run(whole: Path) -> None:
+    report = json.loads((whole / "report.json").read_text())
+    for clock in ("cpu", "wall"):
+        stages, total = report[f"stage_{clock}_seconds"], report[f"{clock}_seconds"]
+        assert sum(stages.values()) == pytest.approx(total, abs=1e-6)
+        assert all(spent >= 0.0 for spent in stages.values()), stages
+        assert stages["other"] < 0.25 * total, stages
+        assert min(stages[name] for name in ("assembly", "solve", "contact", "avatar", "audit", "io")) > 0.0
+
+
 def test_usd_has_a_sample_per_frame_of_body_and_garment(whole: Path) -> None:
     usd = pytest.importorskip("pxr.Usd", reason="USD is not installed: pip install 'toile[usd]'")
     geometry = pytest.importorskip("pxr.UsdGeom")

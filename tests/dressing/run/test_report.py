@@ -5,8 +5,9 @@ import pytest
 
 from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.run.progress import ProgressPrinter, ProgressState, TimeLeft, progress_text
-from toile.dressing.run.report import RunSeconds, drape_report, report_bytes
+from toile.dressing.run.report import RunSpent, drape_report, report_bytes, with_animation
 from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState
+from toile.geometry.stage_clock import Spent
 
 FIGURES = DrapeFigures(
     frames=12,
@@ -31,7 +32,7 @@ FIGURES = DrapeFigures(
     collapses=10,
     energy_jump_max=0.001,
     pop=0.0005,
-    stage_seconds={"solve": 1.0, "io": 0.25},
+    stages={"solve": Spent(1.0, 1.5), "io": Spent(0.25, 0.5)},
 )
 
 
@@ -44,7 +45,7 @@ def make(**changes: Any) -> dict[str, Any]:
         "options": DrapeOptions(edge_length=0.02, max_frames=100, tolerance=0.01),
         "avatar": {"name": "box"},
         "garments": [],
-        "seconds": RunSeconds(wall=3.0, cpu=2.0, io=0.5, compile=0.125),
+        "spent": RunSpent(total=Spent(2.0, 3.0), io=Spent(0.5, 0.75), compile=Spent(0.125, 0.25)),
     }
     return drape_report(**{**values, **changes})
 
@@ -61,9 +62,12 @@ def test_every_promised_key_is_there() -> None:
     assert report["faces"] == {"initial": 20, "final": 21, "max": 22}
     assert report["intersections"] == {"avatar": 0, "self": 1, "worst_frame": 2}
     assert report["strain_percent"] == {"warp_max": 1.0, "weft_max": 2.0, "p99": 0.5}
-    assert set(report["stage_seconds"]) == {"assembly", "solve", "contact", "remesh", "io", "compile"}
-    assert report["stage_seconds"]["io"] == 0.75
-    assert report["stage_seconds"]["compile"] == 0.125
+    assert report["stage_cpu_seconds"] == {
+        "assembly": 0.0, "solve": 1.0, "contact": 0.0, "avatar": 0.0, "remesh": 0.0, "audit": 0.0, "io": 0.75,
+        "compile": 0.125, "other": 0.125,
+    }  # fmt: skip
+    assert report["stage_wall_seconds"]["io"] == 1.25
+    assert report["stage_wall_seconds"]["compile"] == 0.25
     assert report["contacts_max"] == 5
     assert report["remeshing"] == {
         "passes": 2, "splits": 30, "flips": 20, "collapses": 10, "energy_jump_max": 0.001, "pop_mm": 0.5,
@@ -77,8 +81,24 @@ def test_json_has_no_infinities() -> None:
     assert make(failure=None, status="converged")["failure"] is None
 
 
+def test_stages_add_up_to_the_whole_run_before_and_after_a_film() -> None:
+    drape = make()
+    booked = {"contact": Spent(4.0, 6.0), "avatar": Spent(1.0, 1.5)}
+    film = with_animation(drape, "converged", None, {}, booked, Spent(6.0, 9.0))
+    for report, total in ((drape, Spent(2.0, 3.0)), (film, Spent(8.0, 12.0))):
+        assert (report["cpu_seconds"], report["wall_seconds"]) == total
+        for clock in ("cpu", "wall"):
+            assert sum(report[f"stage_{clock}_seconds"].values()) == pytest.approx(report[f"{clock}_seconds"])
+    assert film["stage_cpu_seconds"]["contact"] == 4.0 and film["stage_wall_seconds"]["contact"] == 6.0
+    # What the film did not book is added to what the drape did not.
+    assert film["stage_cpu_seconds"]["other"] == pytest.approx(0.125 + 1.0)
+
+
 def test_only_volatile_keys_differ_between_runs() -> None:
-    first, second = make(), make(seconds=RunSeconds(wall=9.0, cpu=8.0, io=7.0, compile=6.0))
+    first, second = (
+        make(),
+        make(spent=RunSpent(total=Spent(8.0, 9.0), io=Spent(1.0, 2.0), compile=Spent(1.0, 1.0))),
+    )
     assert {key for key in first if first[key] != second[key]} <= set(VOLATILE_KEYS)
 
 

@@ -15,9 +15,10 @@ from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.cloth_run import ClothRun
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.stage_clock import StageClock
 from toile.remesh.sizing.sizing import SizingOptions
 from toile.studies.scenes.flat_meshes import mesh
 

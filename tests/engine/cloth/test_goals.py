@@ -16,9 +16,9 @@ from toile.engine.film.simulate import Simulation
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_forces, cloth_stepper
-from toile.engine.step.options import StageClock
 from toile.engine.step.state import Instant
 from toile.geometry.arrays import Float
+from toile.geometry.stage_clock import StageClock
 from toile.remesh.sizing.sizing import SizingOptions
 
 STIFFNESS = 100.0

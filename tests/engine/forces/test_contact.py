@@ -14,8 +14,9 @@ from toile.engine.forces.contact import ContactLaw, Contacts, Meeting, PairFrict
 from toile.engine.forces.friction import friction_after, friction_at_start, rubbed
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float, Int
+from toile.geometry.stage_clock import StageClock
 
 RADIUS = 0.01
 GRAVITY = 9.81

@@ -10,7 +10,7 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.contact_pairs import BODY, node_thickness, pair_friction
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock
+from toile.geometry.stage_clock import StageClock
 
 THIN = replace(SLACK, name="thin", thickness=1e-4, friction_body=0.2, friction_self=0.1)
 THICK = replace(SLACK, name="thick", thickness=4e-3, friction_body=0.6, friction_self=0.4)

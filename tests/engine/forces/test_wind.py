@@ -11,9 +11,9 @@ from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.wind import Wind
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock
 from toile.engine.step.state import Instant
 from toile.geometry.arrays import Float
+from toile.geometry.stage_clock import StageClock
 
 AIR = AirFlow(velocity=(3.0, -1.0, 2.0), resistance=6.0)
 RUBBING = replace(AIR, friction=2.5)

@@ -17,8 +17,9 @@ from toile.engine.forces.force import NodalForce, StepState
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.solve.hessian import Hessian
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
+from toile.geometry.stage_clock import StageClock
 from toile.remesh.sizing.sizing import SizingOptions
 
 

@@ -26,7 +26,8 @@ from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
 from toile.engine.step import cloth_forces, cloth_run, collisions
 from toile.engine.step.cloth_forces import cloth_stepper
-from toile.engine.step.options import StageClock, StepOptions
+from toile.engine.step.options import StepOptions
+from toile.geometry.stage_clock import StageClock
 from toile.studies.scenes.flat_meshes import mesh
 
 GRAVITY = 9.81
