@@ -90,13 +90,13 @@ def test_the_same_motion_at_24_and_at_120_frames_per_second(tmp_path: Path) -> N
 
 
 def test_cloth_that_no_fabric_bears_is_told_with_its_place(tmp_path: Path) -> None:
-    """The body swells to almost twice its width: the shirt on it must stretch, at the trunk."""
+    """The body swells to three quarters more than its width: the shirt on it must stretch, at the trunk."""
     body = mannequin()
-    swelling = np.linspace(1.0, 1.9, 7)[:, None, None] ** np.array([1.0, 0.0, 1.0])
+    swelling = np.linspace(1.0, 1.75, 3)[:, None, None] ** np.array([1.0, 0.0, 1.0])
     path = tmp_path / "motion.npz"
     np.savez(path, vertices=body.vertices[None] * swelling, faces=body.faces, fps=24.0)
     scene = Scene(
-        garments=[Garment("tshirt")], avatar=AvatarFile(path=path), quality="preview", edge_length=0.03
+        garments=[Garment("tshirt")], avatar=AvatarFile(path=path), quality="preview", edge_length=0.045
     )
     said: list[str] = []
     result = dress(scene, say=said.append)
