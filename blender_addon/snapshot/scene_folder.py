@@ -117,7 +117,7 @@ def first_frame(scene: Any) -> int:
 
 
 def _check_drafts(context: Any, body: AvatarSnapshot, vertices: Float, garments: list[Any]) -> None:
-    """Raise Problem if a garment was drafted where the body, vertices (v, 3) at the start, stands elsewhere."""
+    """Raise Problem if a garment was drafted where the body, vertices (v, 3) now, was elsewhere."""
     scene = context.scene
     start = scene.frame_current
     for obj in garments:
