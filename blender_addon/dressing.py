@@ -71,7 +71,9 @@ def draft_steps(context: Any, pattern: str) -> Steps:
         with closing(_spoken("draft", folder, run)) as messages:
             for message in messages:
                 if message is not None and "done" in message:
-                    pattern_object(context, folder / "draft.npz", message["done"]["name"])
+                    made = pattern_object(context, folder / "draft.npz", message["done"]["name"])
+                    job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+                    made.toile.draft_frame = job["first_frame"]
                 yield message is not None
 
 

@@ -23,6 +23,10 @@ OWN_VALUES = {
 """Values of a fabric that an object may have of its own: label, meaning, limits."""
 
 
+NOT_DRAFTED = -1_000_000
+"""Draft frame of garments whose panels were not drafted."""
+
+
 def shown(name: str, value: float) -> float:
     """Value of a fabric [SI] as the panel shows it: bending in micronewton metres."""
     return value * 1e6 if name.startswith("bending") else value
@@ -78,6 +82,9 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
             name="Keep My Topology", description="Show the original vertices on the simulated surface"
         ),
         "state": StringProperty(name="State"),
+        "draft_frame": IntProperty(
+            name="Draft Frame", default=NOT_DRAFTED, description="Frame in which the panels fit the avatar"
+        ),
     }  # fmt: skip
 
 

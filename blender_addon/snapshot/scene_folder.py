@@ -8,14 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 from toile.blender_addon.problem import Problem
-from toile.blender_addon.properties import OWN_VALUES
+from toile.blender_addon.properties import NOT_DRAFTED, OWN_VALUES
 from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
 from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
 from toile.blender_addon.snapshot.space import metres_per_unit
 from toile.blender_addon.snapshot.wind import air_toml
 from toile.dressing.files.writers.npz_motion import MotionWriter
+from toile.geometry.arrays import Float
+
+ELSEWHERE = 0.05
+"""A body that moves by more than this between draft and simulation is in another place [m]."""
 
 
 def of_role(scene: Any, role: str) -> list[Any]:
@@ -48,7 +53,7 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
         raise Problem("no garment: mark one in its Physics properties, or use Dress This Body")
     films = pattern is None and settings.mode == "SIMULATE"
     travels = settings.mode == "SIMULATE"
-    frames = [settings.frame_start] if travels else [scene.frame_current]
+    frames = [first_frame(scene)]
     if films:
         frames = list(range(settings.frame_start, settings.frame_end + 1))
     if films and len(frames) < 2:
@@ -76,6 +81,8 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
                             yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
+                if films and frame == frames[0]:
+                    _check_drafts(context, body, vertices, [garment.obj for garment in seen])
                 for garment in seen:
                     garment.see(depsgraph)
                 if not films:
@@ -101,6 +108,30 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
         "garments": [_entry(garment, text) for garment in seen],
     }
     (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
+
+
+def first_frame(scene: Any) -> int:
+    """Return the frame in which garments are put on: the start of a simulation, else the present one."""
+    start: int = scene.toile.frame_start if scene.toile.mode == "SIMULATE" else scene.frame_current
+    return start
+
+
+def _check_drafts(context: Any, body: AvatarSnapshot, vertices: Float, garments: list[Any]) -> None:
+    """Raise Problem if a garment was drafted where the body, vertices (v, 3) now, was elsewhere."""
+    scene = context.scene
+    start = scene.frame_current
+    for obj in garments:
+        frame = obj.toile.draft_frame
+        if frame in (NOT_DRAFTED, start):
+            continue
+        scene.frame_set(frame)
+        there = body.see(context.evaluated_depsgraph_get())
+        scene.frame_set(start)
+        if np.abs(there - vertices).max() > ELSEWHERE:
+            raise Problem(
+                f"'{obj.name}' was drafted in frame {frame}, where the body is elsewhere than in frame "
+                f"{start}: let the simulation start there, or draft it again"
+            )
 
 
 def stems(garments: list[Any]) -> list[str]:

@@ -124,19 +124,28 @@ def _extent(points: Float) -> Float:
 
 
 def _flat_faces(surface: Surface, kept: Bool) -> Bool:
-    """Which of the kept faces belong to connected parts that are flat, shape (t,)."""
+    """Which of the kept faces belong to large connected parts that are flat, shape (t,)."""
     flat = np.zeros(len(kept), np.bool_)
     rows = np.flatnonzero(kept)
-    corners = surface.positions[surface.faces[rows]]
-    least = LARGE * float(np.ptp(corners.mean(axis=1), axis=0).max())
-    for own in _members(_pieces(surface.positions, surface.faces[rows])):
+    for own in _large_pieces(surface, rows):
         points = surface.positions[np.unique(surface.faces[rows[own]])]
-        if _extent(points).max() < least:
-            continue
-        spread = points - points.mean(axis=0)
-        size = np.linalg.svd(spread, compute_uv=False)
+        size = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         flat[rows[own]] = size[-1] <= FLAT * size[0]
     return flat
+
+
+def _large_pieces(surface: Surface, rows: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
+    """Return connected parts of some faces that are not small beside all of them, as numbers of rows."""
+    if not len(rows):
+        return []
+    corners = surface.positions[surface.faces[rows]]
+    members = _members(_pieces(surface.positions, surface.faces[rows]))
+    order = np.concatenate(members)
+    starts = np.cumsum([0, *map(len, members[:-1])])
+    low = np.minimum.reduceat(corners.min(axis=1)[order], starts)
+    high = np.maximum.reduceat(corners.max(axis=1)[order], starts)
+    large = (high - low).max(axis=1) >= LARGE * (high.max(axis=0) - low.min(axis=0)).max()
+    return [own for own, is_large in zip(members, large, strict=True) if is_large]
 
 
 def _without_flat(surface: Surface, kept: Bool, notes: list[str]) -> Bool:
@@ -146,11 +155,10 @@ def _without_flat(surface: Surface, kept: Bool, notes: list[str]) -> Bool:
     if not len(rows):
         # All of it is flat, which is said where the surface is closed.
         return kept
-    pieces = _members(_pieces(surface.positions, surface.faces[rows]))
-    for own in pieces if len(pieces) > 1 else ():
+    for own in _large_pieces(surface, rows):
         points = surface.positions[np.unique(surface.faces[rows[own]])]
         sizes = np.sort(_extent(points))
-        if sizes[0] < SLAB * sizes[1]:
+        if sizes[0] < SLAB * sizes[1] and len(own) < len(rows):
             others = np.setdiff1d(np.arange(len(rows)), own)
             rest = surface.positions[np.unique(surface.faces[rows[others]])]
             out[rows[own]] = _is_floor(points, rest)

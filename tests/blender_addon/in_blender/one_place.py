@@ -33,6 +33,12 @@ for mode in ("SIMULATE", "DRAPE"):
     places = np.array([drafted.matrix_world @ vertex.co for vertex in drafted.data.vertices])
     found[mode] = float(0.5 * (places[:, 0].min() + places[:, 0].max()))
 found["frame"] = scene.frame_current
+small.settings("SIMULATE")
+scene.toile.frame_start = 3
+try:
+    bpy.ops.toile.dress()
+except RuntimeError as error:
+    found["error"] = str(error)
 import toile.blender_addon
 
 toile.blender_addon.unregister()
