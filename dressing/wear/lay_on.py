@@ -54,7 +54,9 @@ def laid_on(meshes: list[GarmentMesh], body: Float) -> tuple[list[GarmentMesh], 
             faces = np.unique(np.concatenate(touched)).astype(np.int32) if touched else np.empty(0, np.int32)
             if not len(faces):
                 break
-            _lift(meshes[upper.garment], places[upper.garment], nodes[upper.garment], upper, faces, pieces, body)
+            _lift(
+                meshes[upper.garment], places[upper.garment], nodes[upper.garment], upper, faces, pieces, body
+            )
             moved = True
         if moved:
             mesh = meshes[upper.garment]
@@ -108,12 +110,14 @@ def _touched(
     below, above = (
         places[piece.garment][meshes[piece.garment].faces[piece.faces]] for piece in (lower, upper)
     )
-    apart = np.maximum(below.min(axis=(0, 1)) - above.max(axis=(0, 1)), above.min(axis=(0, 1)) - below.max(axis=(0, 1)))
+    apart = np.maximum(
+        below.min(axis=(0, 1)) - above.max(axis=(0, 1)), above.min(axis=(0, 1)) - below.max(axis=(0, 1))
+    )
     if apart.max() > TOUCHING:
         return np.empty(0, np.int32)
     lying, _ = _lying_in(above, below)
     _, covered = _lying_in(below, above)
-    return upper.faces[np.unique(np.concatenate([lying, covered]))]
+    return np.asarray(upper.faces[np.unique(np.concatenate([lying, covered]))], np.int32)
 
 
 def _lying_in(corners: Float, other: Float) -> tuple[Int, Int]:

@@ -6,7 +6,7 @@ import pytest
 from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.run.progress import ProgressPrinter, ProgressState, TimeLeft, progress_text
 from toile.dressing.run.report import RunSeconds, drape_report, report_bytes
-from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState
+from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState, StrainedPlace
 
 FIGURES = DrapeFigures(
     frames=12,
@@ -24,6 +24,8 @@ FIGURES = DrapeFigures(
     warp_strain_max=1.0,
     weft_strain_max=2.0,
     strain_p99=0.5,
+    areas=((0.62, 0.58),),
+    strained=(StrainedPlace(percent=61.0, faces=3, where="garment a: front"),),
     residual=float("inf"),
     remeshings=2,
     splits=30,
@@ -43,7 +45,7 @@ def make(**changes: Any) -> dict[str, Any]:
         "quality": "preview",
         "options": DrapeOptions(edge_length=0.02, max_frames=100, tolerance=0.01),
         "avatar": {"name": "box"},
-        "garments": [],
+        "garments": [{"name": "a"}],
         "seconds": RunSeconds(wall=3.0, cpu=2.0, io=0.5, compile=0.125),
     }
     return drape_report(**{**values, **changes})
@@ -60,7 +62,11 @@ def test_every_promised_key_is_there() -> None:
     assert report["nodes"] == {"initial": 10, "final": 11, "max": 12}
     assert report["faces"] == {"initial": 20, "final": 21, "max": 22}
     assert report["intersections"] == {"avatar": 0, "self": 1, "worst_frame": 2}
-    assert report["strain_percent"] == {"warp_max": 1.0, "weft_max": 2.0, "p99": 0.5}
+    assert report["strain_percent"] == {
+        "warp_max": 1.0, "weft_max": 2.0,
+        "p99": 0.5, "over_50": [{"percent": 61.0, "faces": 3, "where": "garment a: front"}],
+    }  # fmt: skip
+    assert report["garments"] == [{"name": "a", "area_m2": 0.62, "cut_area_m2": 0.58}]
     assert set(report["stage_seconds"]) == {"assembly", "solve", "contact", "remesh", "io", "compile"}
     assert report["stage_seconds"]["io"] == 0.75
     assert report["stage_seconds"]["compile"] == 0.125
