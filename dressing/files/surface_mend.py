@@ -4,6 +4,7 @@ from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -11,6 +12,7 @@ from scipy.spatial import cKDTree
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
 
+AnyInt = npt.NDArray[np.integer]
 SMALLEST_AREA = 1e-11
 """Faces below this area [m^2] count as degenerate: (3 micrometres)^2 is no cloth."""
 SMALLEST_HEIGHT = 1e-5
@@ -93,8 +95,8 @@ def _kept(surface: Surface, keep: Bool) -> Surface:
 def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
     """Leave out polygons that lie on earlier ones; return their numbers in the file as well.
 
-    Polygons of other vertices at the same places, `by_place`, are doubles only if they face the other way: two
-    layers of a garment face the same way.
+    Polygons of other vertices at the same places, `by_place`, are doubles only if they face the other way:
+    two layers of a garment face the same way.
     """
     faces = surface.faces
     numbers, polygon = np.unique(surface.file_face, return_inverse=True)
@@ -116,7 +118,7 @@ def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
     return _kept(surface, ~doubled[polygon]), numbers[doubled].astype(np.int32)
 
 
-def _corner_sets(polygon: Int, corners: Int) -> list[bytes]:
+def _corner_sets(polygon: AnyInt, corners: AnyInt) -> list[bytes]:
     """Return the corners of every polygon as a key, from triangles of shape (t, 3) and their polygons."""
     pairs = np.unique(np.column_stack([np.repeat(polygon, 3), corners.ravel()]), axis=0)
     ends = np.flatnonzero(np.diff(pairs[:, 0])) + 1

@@ -12,13 +12,13 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
+from toile.dressing.garment.pattern_place import moved_to_body
 from toile.dressing.garment.readers import read_garment
+from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.pattern.twisted_seams import check_twists
-from toile.dressing.run.pattern_place import moved_to_body
 from toile.dressing.run.resolved_scene import ResolvedGarment
-from toile.dressing.run.unplaced import placed_by_seams
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 

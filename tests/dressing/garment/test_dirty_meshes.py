@@ -1,5 +1,6 @@
 """Meshes with the usual faults of exports become the garment that was meant, with a note."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.geometry.arrays import Float, Int
 
-Part = tuple[Float, list[tuple[int, ...]]]
+Part = tuple[Float, Sequence[tuple[int, ...]]]
 
 
 def tube(radius: float = 0.3, around: int = 40, rows: int = 12) -> Part:

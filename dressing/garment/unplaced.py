@@ -14,9 +14,9 @@ import numpy as np
 
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.garment.pattern_place import LEVELS
 from toile.dressing.pattern.pattern import Panel, Pattern, Stitch
 from toile.dressing.pattern.pattern_outline import is_clockwise, to_world
-from toile.dressing.run.pattern_place import LEVELS
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 

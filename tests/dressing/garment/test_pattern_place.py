@@ -10,13 +10,13 @@ import pytest
 
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.mannequin import mannequin
+from toile.dressing.garment.pattern_place import moved_to_body
+from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.garmentcode import read_garmentcode
 from toile.dressing.pattern.garmentcode_write import write_garmentcode
 from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.pattern_outline import to_world
-from toile.dressing.run.pattern_place import moved_to_body
-from toile.dressing.run.unplaced import placed_by_seams
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
