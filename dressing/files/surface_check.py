@@ -26,8 +26,8 @@ def check_vertex_numbers(path: Path, faces: npt.NDArray[np.integer], count: int,
 def checked_surface(path: Path, surface: Surface) -> Surface:
     """Return the surface [m] welded, consistently oriented and without unused nodes.
 
-    Where more than two faces meet at an edge, a piece is sewn on (a belt loop, a pocket): they stay joined, and
-    which way the piece faces is its own matter. Raises InputError naming degenerate faces and one-sided
+    Where more than two faces meet at an edge, a piece is sewn on (a belt loop, a pocket): they stay joined,
+    and which way the piece faces is its own matter. Raises InputError naming degenerate faces and one-sided
     surfaces.
     """
     positions, faces = surface.positions, exactly_welded(surface.positions, surface.faces)

@@ -4,6 +4,7 @@ from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -11,6 +12,7 @@ from scipy.spatial import cKDTree
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
 
+AnyInt = npt.NDArray[np.integer]
 SMALLEST_AREA = 1e-11
 """Faces below this area [m^2] count as degenerate: (3 micrometres)^2 is no cloth."""
 SMALLEST_HEIGHT = 1e-5
@@ -26,7 +28,7 @@ ROUNDS = 50
 
 
 def mended_surface(surface: Surface) -> tuple[Surface, tuple[str, ...]]:
-    """Return a surface [m] without doubled faces and faces without area, its borders joined; say what was done.
+    """Return a surface [m] without doubled faces and faces without area, its borders joined; say so.
 
     A face counts as doubled if another one has the same vertices, or the same places in the other direction.
     Vertices inside a layer are left alone, so that two layers that touch do not grow together.
@@ -91,29 +93,36 @@ def _kept(surface: Surface, keep: Bool) -> Surface:
 
 
 def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
-    """Leave out faces that lie on earlier ones; return the numbers of those in the file as well.
+    """Leave out polygons that lie on earlier ones; return their numbers in the file as well.
 
-    Faces of other vertices at the same places, `by_place`, are doubles only if they face the other way: two
-    layers of a garment face the same way.
+    Polygons of other vertices at the same places, `by_place`, are doubles only if they face the other way:
+    two layers of a garment face the same way.
     """
     faces = surface.faces
-    keep = _firsts(np.sort(faces, axis=1))
+    numbers, polygon = np.unique(surface.file_face, return_inverse=True)
+    corners = surface.positions[faces]
+    normal = np.zeros((len(numbers), 3))
+    np.add.at(normal, polygon, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    own = _corner_sets(polygon, faces)
+    at = own
     if by_place:
-        place = np.unique(surface.positions, axis=0, return_inverse=True)[1].ravel()[faces]
-        turned = np.take_along_axis(place, (place.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
-        # Among faces at one place, those that run as the first one does stay.
-        _, group = np.unique(np.sort(place, axis=1), axis=0, return_inverse=True)
-        group = group.ravel()
-        _, leader = np.unique(group, return_index=True)
-        keep &= (turned == turned[leader[group]]).all(axis=1)
-    return _kept(surface, keep), np.unique(surface.file_face[~keep])
+        at = _corner_sets(
+            polygon, np.unique(surface.positions, axis=0, return_inverse=True)[1].ravel()[faces]
+        )
+    leaders: dict[bytes, int] = {}
+    doubled = np.zeros(len(numbers), bool)
+    for number, key in enumerate(at):
+        leader = leaders.setdefault(key, number)
+        if leader != number:
+            doubled[number] = own[leader] == own[number] or normal[leader] @ normal[number] < 0.0
+    return _kept(surface, ~doubled[polygon]), numbers[doubled].astype(np.int32)
 
 
-def _firsts(rows: Int) -> Bool:
-    """Mark rows that no earlier row equals."""
-    first = np.zeros(len(rows), bool)
-    first[np.unique(rows, axis=0, return_index=True)[1]] = True
-    return first
+def _corner_sets(polygon: AnyInt, corners: AnyInt) -> list[bytes]:
+    """Return the corners of every polygon as a key, from triangles of shape (t, 3) and their polygons."""
+    pairs = np.unique(np.column_stack([np.repeat(polygon, 3), corners.ravel()]), axis=0)
+    ends = np.flatnonzero(np.diff(pairs[:, 0])) + 1
+    return [part.tobytes() for part in np.split(np.ascontiguousarray(pairs[:, 1]), ends)]
 
 
 def _nearly_welded(positions: Float, faces: Int) -> tuple[Int, int, float]:
@@ -147,7 +156,7 @@ def _with_area(surface: Surface) -> tuple[Surface, Int]:
     """
     mended: list[Int] = []
     for _ in range(ROUNDS):
-        bad = np.flatnonzero(without_area(surface.positions, surface.faces))
+        bad = np.flatnonzero(without_area(surface.positions, surface.faces)).astype(np.int32)
         if not len(bad):
             break
         mended.append(surface.file_face[bad])

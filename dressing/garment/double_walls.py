@@ -115,7 +115,7 @@ def _components(pairs: Int, count: int) -> Int:
 def _opposite(corners: Float, normal: Float, side: float) -> _Walls:
     """Find the face that a ray meets from the middle of every face, along its normal times `side`."""
     middle = corners.mean(axis=1)
-    near = cKDTree(middle).query(middle, k=min(CANDIDATES, len(middle)))[1]
+    near = np.asarray(cKDTree(middle).query(middle, k=min(CANDIDATES, len(middle)))[1])
     best, found = np.full(len(middle), np.inf), np.full(len(middle), -1, np.int64)
     for column in near.T[1:]:
         towards = np.einsum("ti,ti->t", normal, normal[column])
@@ -128,7 +128,7 @@ def _opposite(corners: Float, normal: Float, side: float) -> _Walls:
         point = middle + np.where(hit, distance, 0.0)[:, None] * along
         hit &= _within(point, corners[column], normal[column])
         best[hit], found[hit] = distance[hit], column[hit]
-    return _Walls(found, best)
+    return _Walls(found.astype(np.int32), best)
 
 
 def _within(point: Float, corners: Float, normal: Float) -> Bool:

@@ -1,4 +1,4 @@
-"""Rigid trims: buttons, rivets and buckles that a garment file holds as shells of their own ride along with it."""
+"""Rigid trims: buttons, rivets and buckles, shells of their own in a garment file, ride along with it."""
 
 from dataclasses import dataclass, replace
 
@@ -82,7 +82,7 @@ def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, .
     ends = np.stack([surface.faces, np.roll(surface.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
     graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
     shell = connected_components(graph, directed=False)[1][surface.faces[:, 0]]
-    shells, first, shell, faces_of = np.unique(
+    shells, first, owner, faces_of = np.unique(
         shell, return_index=True, return_inverse=True, return_counts=True
     )
     if len(shells) == 1:
@@ -90,37 +90,37 @@ def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, .
     _, sides = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
     lone = (np.bincount(sides.ravel()) == 1)[sides.ravel()].reshape(-1, 3).any(axis=1)
     is_open = np.zeros(len(shells), bool)
-    is_open[shell[lone]] = True
+    is_open[owner[lone]] = True
     low, high = np.full((2, len(shells), 3), np.inf)
     for k in range(3):
-        np.minimum.at(low, shell, surface.positions[surface.faces[:, k]])
-        np.minimum.at(high, shell, -surface.positions[surface.faces[:, k]])
+        np.minimum.at(low, owner, surface.positions[surface.faces[:, k]])
+        np.minimum.at(high, owner, -surface.positions[surface.faces[:, k]])
     size = np.linalg.norm(-high - low, axis=1)
     small = (size <= np.where(is_open, LARGEST_OPEN, LARGEST)) & (faces_of >= FEWEST)
     if not small.any() or small.all():
         return surface, None, ()
-    cloth_nodes = np.unique(surface.faces[~small[shell]])
+    cloth_nodes = np.unique(surface.faces[~small[owner]])
     base = np.zeros(count, np.int64)
-    base[surface.faces[:, 0]] = shell
-    base[surface.faces[:, 1]] = shell
-    base[surface.faces[:, 2]] = shell
+    base[surface.faces[:, 0]] = owner
+    base[surface.faces[:, 1]] = owner
+    base[surface.faces[:, 2]] = owner
     spacing = float(np.median(np.linalg.norm(np.diff(surface.positions[ends], axis=1)[:, 0], axis=1)))
     tree = cKDTree(surface.positions[cloth_nodes])
     pieces, seats = [], []
     for number in np.flatnonzero(small).tolist():
-        own = np.unique(surface.faces[shell == number])
-        distance, nearest = tree.query(surface.positions[own])
+        own = np.unique(surface.faces[owner == number])
+        distance, nearest = map(np.asarray, tree.query(surface.positions[own]))
         at = cloth_nodes[nearest[distance.argmin()]]
         if distance.min() <= REACH + spacing and size[number] <= SMALLER * size[base[at]]:
             pieces.append(number)
             seats.append(surface.positions[own].mean(axis=0))
     if not pieces:
         return surface, None, ()
-    chosen = np.isin(shell, pieces)
+    chosen = np.isin(owner, pieces)
     nodes, local = np.unique(surface.faces[chosen], return_inverse=True)
     faces = local.reshape(-1, 3).astype(np.int32)
     piece = np.empty(len(nodes), np.int32)
-    piece[faces] = np.searchsorted(pieces, shell[chosen])[:, None]
+    piece[faces] = np.searchsorted(pieces, owner[chosen])[:, None]
     trims = Trims(
         positions=surface.positions[nodes], faces=faces, panel=surface.panel[chosen], piece=piece,
         seat=np.array(seats),

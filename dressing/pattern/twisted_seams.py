@@ -17,8 +17,8 @@ CROSSED = 0.6
 def check_twists(pattern: Pattern) -> None:
     """Raise InputError naming a seam that twists its panels.
 
-    Two kinds are found: a seam that sews right sides to wrong ones where the other seams say otherwise (a strip
-    with a half turn, which has no right side), and a seam whose ends lie crosswise where its panels are placed.
+    Two kinds are found: a seam that sews right sides to wrong ones where the other seams say otherwise (a
+    strip with a half turn, which has no right side), and one whose ends lie crosswise where panels start.
     """
     odd = _odd_seam(pattern)
     if odd is not None:

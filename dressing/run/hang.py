@@ -36,7 +36,7 @@ from toile.geometry.stage_clock import Spent, now, together
 HANGING = np.radians(65.0)
 """Arms that are lower than this leave sleeves little room [rad]."""
 MOST_RETRIED = 8e5
-"""Faces times Newton iterations in jammed attempts after which the next attempt is the last: 20 CPU s or so."""
+"""Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""
 LAST_WORK = 1e6
 """What the last attempt may take then until the garment settles, or twice what the one before took."""
 
@@ -177,7 +177,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
 
 
 def floor_height(ground: bool | float, form: DressForm) -> float | None:
-    """Return the height of the floor [m], or None: where a scene has it, or under the feet of a body that stands.
+    """Return the height of the floor [m]: a scene's own, that under the feet of a body that stands, or None.
 
     A body stands if it can be measured. Where it moves, the floor is as low as its feet ever get.
     """

@@ -13,7 +13,9 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import FORMATS as MESH_FORMATS
 from toile.dressing.garment.mesh_garment import moved_in
+from toile.dressing.garment.pattern_place import moved_to_body
 from toile.dressing.garment.readers import is_registered, read_garment
+from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.drawn.place import placed_pattern
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions, told_or_sure
@@ -22,9 +24,7 @@ from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.pattern.twisted_seams import check_twists
-from toile.dressing.run.pattern_place import moved_to_body
 from toile.dressing.run.resolved_scene import ResolvedGarment
-from toile.dressing.run.unplaced import placed_by_seams
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 

@@ -117,7 +117,7 @@ def _touched(
         return np.empty(0, np.int32)
     lying, _ = _lying_in(above, below)
     _, covered = _lying_in(below, above)
-    return upper.faces[np.unique(np.concatenate([lying, covered]))]
+    return np.asarray(upper.faces[np.unique(np.concatenate([lying, covered]))], np.int32)
 
 
 def _lying_in(corners: Float, other: Float) -> tuple[Int, Int]:

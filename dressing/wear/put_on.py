@@ -252,7 +252,8 @@ def _outcome(
         status = "converged"
     return DrapeOutcome(
         status=status, failure=failure, figures=_figures(run, meshes, place),
-        garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]), cloth=run.cloth, step=run.plan.step, notes=notes,
+        garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]),
+        cloth=run.cloth, step=run.plan.step, notes=notes,
         gave_up=record.gave_up, work=record.work, pin_motion=pin_motion(meshes, run.cloth.origin),
     )  # fmt: skip
 
@@ -266,7 +267,8 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure
         where = place_of(cloth, found, meshes, place)
         return Failure(
             kind="tangled",
-            message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled",
+            message=f"{sum(last)} pairs of triangles still cross; the garment could not be disentangled "
+            "(start its pieces farther from the body and from each other, or check its size)",
             where=f"frame {len(record.crossings) - 1}; {where}",
             faces=faces_at_fault(cloth, found),
         )
@@ -279,8 +281,8 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure
         return Failure(
             kind="open_seams",
             message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-            "the garment may be too small for this body, its panels may start across each other, or cloth is in "
-            "the way (place the panels named here farther apart, or check their seams)",
+            "the garment may be too small for this body, its panels may start across each other, or cloth is "
+            "in the way (place the panels named here farther apart, or check their seams)",
             where=", ".join(seams),
         )
     if run.phase != "settling":
@@ -296,8 +298,8 @@ def _unfinished(run: Drape) -> str:
     """Say why a garment is not sewn yet."""
     if run.record.steps < run.plan.max_steps:
         return (
-            f"the garment jammed in several meshes, and in the last while it was still {run.phase}; place its "
-            "panels farther from the body and from each other, or check its size"
+            f"the garment jammed in several meshes, and in the last while it was still {run.phase}; place "
+            "its panels farther from the body and from each other, or check its size"
         )
     return f"the frame limit was reached while the garment was still {run.phase}; allow more frames"
 

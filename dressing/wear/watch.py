@@ -75,8 +75,8 @@ class Watch:
         if places and places[0].percent >= 100.0 * TORN_AT_END:
             return Failure(
                 kind="overstretched",
-                message=f"cloth is stretched by {places[0].percent:.0f} %, which no fabric bears; the garment is "
-                "too small there, or caught",
+                message=f"cloth is stretched by {places[0].percent:.0f} %, which no fabric bears; the "
+                "garment is too small there, or caught",
                 where=places[0].where,
             )
         for index in np.flatnonzero(self._down > 0).tolist():
@@ -94,7 +94,7 @@ class Watch:
             self._top[index] = max(self._top[index], top)
             down = top < self._top[index] - FALLEN
             if down and top >= self._low:
-                down = bool(self._body.query(own, distance_upper_bound=ON_BODY)[0].min() > ON_BODY)
+                down = bool(np.min(self._body.query(own, distance_upper_bound=ON_BODY)[0]) > ON_BODY)
             self._down[index] = self._down[index] + 1 if down else 0
             if self._down[index] >= FRAMES_DOWN:
                 self.failure = self._fallen(cloth, index, f"frame {frame}")
@@ -104,8 +104,8 @@ class Watch:
         top = float(np.quantile(cloth.positions[nodes, 1], TOP))
         return Failure(
             kind="fell_off",
-            message=f"the garment fell off the body: its top came down by {self._top[index] - top:.2f} m; it is "
-            "too wide to hold, or starts beside the body (narrow its waist, or pin an edge)",
+            message=f"the garment fell off the body: its top came down by {self._top[index] - top:.2f} m; it "
+            "is too wide to hold, or starts beside the body (narrow its waist, or pin an edge)",
             where=f"garment {self._garments[index].name}, {when}",
         )
 

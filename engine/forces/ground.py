@@ -1,9 +1,9 @@
 """The floor: a plane that pushes cloth up and brakes what slides on it.
 
-A penalty per area of cloth, k/2 (h - y)^2 below height h, with the stiffness of contact. Friction is that of a
-spring to where the node was when the step began, as stiff as the pressure then allows: mu p / s, with s a slip
-that holds the whole friction. The floor acts under gravity only: while a garment is sewn, its panels may reach
-through it.
+A penalty per area of cloth, k/2 (h - y)^2 below height h, with the stiffness of contact. Friction is that
+of a spring to where the node was when the step began, as stiff as the pressure then allows: mu p / s, with s
+a slip that holds the whole friction. The floor acts under gravity only: while a garment is sewn, its panels
+may reach through it.
 """
 
 import numpy as np

@@ -80,6 +80,8 @@ class FakeDrape:
             warp_strain_max=1.5,
             weft_strain_max=2.5,
             strain_p99=1.0,
+            areas=tuple((0.5, 0.5) for _ in garments),
+            strained=(),
             residual=np.float64(0.001),
             remeshings=0,
             splits=0,

@@ -137,11 +137,7 @@ def test_inconsistent_winding_follows_the_majority(tmp_path: Path) -> None:
         ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 vertices are not finite"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: index 9 of 3"),
         ("v 0 0 0\nv 1 0 x\n", "line 2"),
-        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\n", "face 1 has no area"),
-        (
-            "v 0 0 0\nv 0 1 0\nv 1 0 0\nv -1 0 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n",
-            r"3 faces \(0, 1, 2\) have an edge with more than two faces",
-        ),
+        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no face has an area"),
     ],
 )
 def test_bad_meshes_name_the_faces(tmp_path: Path, text: str, message: str) -> None:

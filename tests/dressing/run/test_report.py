@@ -6,7 +6,7 @@ import pytest
 from tests.dressing.report_keys import VOLATILE_KEYS
 from toile.dressing.run.progress import ProgressPrinter, ProgressState, TimeLeft, progress_text
 from toile.dressing.run.report import RunSpent, drape_report, report_bytes, with_animation
-from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState
+from toile.dressing.wear.drape_types import DrapeFigures, DrapeOptions, Failure, FrameState, StrainedPlace
 from toile.geometry.stage_clock import Spent
 
 FIGURES = DrapeFigures(
@@ -25,6 +25,8 @@ FIGURES = DrapeFigures(
     warp_strain_max=1.0,
     weft_strain_max=2.0,
     strain_p99=0.5,
+    areas=((0.62, 0.58),),
+    strained=(StrainedPlace(percent=61.0, faces=3, where="garment a: front"),),
     residual=float("inf"),
     remeshings=2,
     splits=30,
@@ -44,7 +46,7 @@ def make(**changes: Any) -> dict[str, Any]:
         "quality": "preview",
         "options": DrapeOptions(edge_length=0.02, max_frames=100, tolerance=0.01),
         "avatar": {"name": "box"},
-        "garments": [],
+        "garments": [{"name": "a"}],
         "spent": RunSpent(total=Spent(2.0, 3.0), io=Spent(0.5, 0.75), compile=Spent(0.125, 0.25)),
     }
     return drape_report(**{**values, **changes})
@@ -61,7 +63,11 @@ def test_every_promised_key_is_there() -> None:
     assert report["nodes"] == {"initial": 10, "final": 11, "max": 12}
     assert report["faces"] == {"initial": 20, "final": 21, "max": 22}
     assert report["intersections"] == {"avatar": 0, "self": 1, "worst_frame": 2}
-    assert report["strain_percent"] == {"warp_max": 1.0, "weft_max": 2.0, "p99": 0.5}
+    assert report["strain_percent"] == {
+        "warp_max": 1.0, "weft_max": 2.0,
+        "p99": 0.5, "over_50": [{"percent": 61.0, "faces": 3, "where": "garment a: front"}],
+    }  # fmt: skip
+    assert report["garments"] == [{"name": "a", "area_m2": 0.62, "cut_area_m2": 0.58}]
     assert report["stage_cpu_seconds"] == {
         "assembly": 0.0, "solve": 1.0, "contact": 0.0, "avatar": 0.0, "remesh": 0.0, "audit": 0.0, "io": 0.75,
         "compile": 0.125, "other": 0.125,

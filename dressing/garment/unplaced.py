@@ -1,8 +1,8 @@
 """Patterns without placement, all panels in one place: laid around the body by their names, roles and seams.
 
 The largest panel of the front and that of the back are put before and behind the body, at the height that
-their edges' roles ask for. Every other panel is laid beside one it is sewn to, edge along edge, on the side
-that its name says.
+their edges' roles ask for. Every other panel is laid beside one it is sewn to, on the side that its name
+says: edge along edge, or a sleeve along the arm.
 """
 
 import math
@@ -14,17 +14,17 @@ import numpy as np
 
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.garment.pattern_place import LEVELS
 from toile.dressing.pattern.pattern import Panel, Pattern, Stitch
 from toile.dressing.pattern.pattern_outline import is_clockwise, to_world
-from toile.dressing.run.pattern_place import LEVELS
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
-BESIDE = 0.04
-"""Distance between edges that will be sewn together [m]."""
-OFF_BODY = 0.08
+BESIDE, BESIDE_ARMHOLE = 0.04, 0.09
+"""Distance between edges that will be sewn together [m]; of a sleeve from the armhole, along the arm."""
+OFF_BODY = 0.05
 """How far before or behind the torso panels start [m]."""
-NEARER = 0.02
+NEARER = 0.03
 """How much nearer panels start that are laid beside others [m]: sleeves hang behind the front's plane."""
 SIDES = {"front": 1.0, "f": 1.0, "ftorso": 1.0, "back": -1.0, "b": -1.0, "btorso": -1.0}
 """Words in the name of a panel to the side of the body it lies on."""
@@ -42,8 +42,8 @@ def placed_by_seams(pattern: Pattern, form: DressForm) -> Pattern:
     body = form.measured
     if isinstance(body, InputError):
         raise InputError(
-            f"{pattern.name}: its panels have no places, and the body cannot be measured ({body}); give every "
-            "panel a translation"
+            f"{pattern.name}: its panels have no places, and the body cannot be measured ({body}); give "
+            "every panel a translation"
         )
     done: dict[str, Panel] = {}
     for side in (1.0, -1.0):
@@ -60,13 +60,13 @@ def placed_by_seams(pattern: Pattern, form: DressForm) -> Pattern:
                 continue
             side = math.copysign(1.0, done[name].translation[2] - _middle_depth(body))
             if _side(pattern.panel(other)) in (None, side):
-                done[other] = _beside(done[name], pattern.panel(other), stitch, side)
+                done[other] = _beside(done[name], pattern.panel(other), stitch, side, body)
                 waiting.append(other)
     lost = [panel.name for panel in pattern.panels if panel.name not in done]
     if lost:
         raise InputError(
-            f"{pattern.name}: its panels lie all in one place, and where '{lost[0]}' belongs cannot be told; give "
-            'every panel a translation, or names with "front" and "back"',
+            f"{pattern.name}: its panels lie all in one place, and where '{lost[0]}' belongs cannot be told; "
+            'give every panel a translation, or names with "front" and "back"',
             field=f"pattern.panels.{lost[0]}.translation",
         )
     note = "The pattern does not place its panels; they are laid around the body by their names and seams."
@@ -123,8 +123,8 @@ def _before_body(panel: Panel, side: float, body: Measurements, form: DressForm)
     )
 
 
-def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float) -> Panel:
-    """Return a panel beside a placed one, in its plane, its edge of a stitch along the other's."""
+def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float, body: Measurements) -> Panel:
+    """Return a panel beside a placed one, its edge of a stitch along the other's, or along the arm."""
     first, second = (stitch.panel_a, stitch.edge_a), (stitch.panel_b, stitch.edge_b)
     if first[0] != placed.name:
         first, second = second, first
@@ -134,13 +134,19 @@ def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float) -> Panel:
     if not stitch.right_wrong:
         here = here[::-1]
     wanted, own = there[1] - there[0], here[1] - here[0]
-    angle = math.atan2(wanted[1], wanted[0]) - math.atan2(own[1], own[0])
-    turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     away = np.array([wanted[1], -wanted[0]]) / max(float(np.linalg.norm(wanted)), 1e-9)
     centre = to_world(placed, np.array(placed.vertices))[:, :2].mean(axis=0)
     if away @ (there.mean(axis=0) - centre) < 0.0:
         away = -away
-    x, y = there.mean(axis=0) + BESIDE * away - turned @ here.mean(axis=0)
+    gap = BESIDE
+    if panel.role == "sleeve" and placed.role != "sleeve":
+        outwards = 1.0 if away[0] > 0.0 else -1.0
+        away = np.array([outwards * math.cos(body.arm_angle), -math.sin(body.arm_angle)])
+        own = to_world(flat, np.array(panel.vertices))[:, :2].mean(axis=0) - here.mean(axis=0)
+        wanted, gap = away, BESIDE_ARMHOLE
+    angle = math.atan2(wanted[1], wanted[0]) - math.atan2(own[1], own[0])
+    turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    x, y = there.mean(axis=0) + gap * away - turned @ here.mean(axis=0)
     return replace(
         flat,
         translation=(float(x), float(y), placed.translation[2] - side * NEARER),
@@ -149,6 +155,6 @@ def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float) -> Panel:
 
 
 def _ends(panel: Panel, number: int) -> Float:
-    """Ends of an edge where its panel is placed [m], shape (2, 3)."""
+    """Return the ends of an edge where its panel is placed [m], shape (2, 3)."""
     edge = panel.edges[number]
     return to_world(panel, np.array([panel.vertices[edge.start], panel.vertices[edge.end]]))

@@ -23,7 +23,7 @@ patterns with collars and waists (by 6 cm more or less) [m]; the first role that
 
 
 def moved_to_body(pattern: Pattern, form: DressForm) -> Pattern:
-    """Return a pattern moved up or down, and to the body's axis, if it lies farther away than TOO_FAR; say so."""
+    """Return a pattern moved to its level and to the body's axis if farther off than TOO_FAR; say so."""
     body = form.measured
     found = {role: _on_edges(pattern, role) for role in LEVELS}
     role = next((role for role in LEVELS if len(found[role])), None)
