@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.measure import add_measure
-from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.parser import BAD_INPUT, CANCELLED, DONE, FAILED, Commands, Parser, body_length
+from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
@@ -130,7 +130,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         action="append",
         default=[],
         metavar="FILE|NAME",
-        help="GarmentCode .json, DXF or FreeSewing .svg pattern, mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
+        help="GarmentCode .json, DXF or FreeSewing .svg pattern, "
+        "mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
         "from the body outwards",
     )
     add_pattern_options(dress)

@@ -31,10 +31,12 @@ def add_pattern(commands: "Commands[Parser]") -> None:
     pattern = commands.add_parser(
         "pattern",
         help="show a sewing pattern, and convert it",
-        description="Show a sewing pattern: its pieces, edges and seams, and what is open about them. A pattern "
-        "without seams receives a seams file to edit.",
+        description="Show a sewing pattern: its pieces, edges and seams, and what is open about them. "
+        "A pattern without seams receives a seams file to edit.",
     )
-    pattern.add_argument("pattern", type=Path, metavar="FILE", help="GarmentCode .json, .dxf or FreeSewing .svg")
+    pattern.add_argument(
+        "pattern", type=Path, metavar="FILE", help="GarmentCode .json, .dxf or FreeSewing .svg"
+    )
     pattern.add_argument(
         "-o", "--output", type=Path, metavar="OUT", help=".svg: a picture; .json: the pattern in GarmentCode"
     )
@@ -122,7 +124,8 @@ def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar
     for piece in drawn.pieces:
         how = "half on the fold" if piece.fold is not None else "pair" if piece.pair else "once"
         lengths = "  ".join(
-            f"{n}:{'fold' if n == piece.fold else f'{100 * piece.length(n):.1f}'}" for n in range(len(piece.edges))
+            f"{n}:{'fold' if n == piece.fold else f'{100 * piece.length(n):.1f}'}"
+            for n in range(len(piece.edges))
         )
         print(f"{piece.name:<20}{how:<18}{1e4 * piece.area:8.1f} cm2   {lengths} cm")
     for seam in drawn.seams or ():

@@ -45,9 +45,12 @@ def reversed_loop(panel: Panel) -> Panel:
     """Return the same outline walked the other way: edge i becomes edge n - 1 - i."""
     edges = tuple(
         replace(
-            edge, start=edge.end, end=edge.start, curve=_reversed_curve(edge.curve),
+            edge,
+            start=edge.end,
+            end=edge.start,
+            curve=_reversed_curve(edge.curve),
             notches=tuple(1.0 - notch for notch in reversed(edge.notches)),
-        )  # fmt: skip
+        )
         for edge in reversed(panel.edges)
     )
     return replace(panel, edges=edges)

@@ -1,8 +1,8 @@
 """Seams between runs: lists of edges or parts of edges, as people write them down.
 
-In text, `front.3 + back.2[0.5:] = sleeve.1` sews two edges of one side to one of the other. What stands left of
-"=" is walked along its panels' loops, what stands right of it against them, so that right sides face each other;
-a "-" in front of an edge turns it around. `[0.2:0.8]` takes a part, in fractions of the edge's length.
+In text, `front.3 + back.2[0.5:] = sleeve.1` sews two edges of one side to one of the other. What stands left
+of "=" is walked along its panels' loops, what stands right of it against them, so that right sides face each
+other; a "-" in front of an edge turns it around. `[0.2:0.8]` takes a part, in fractions of the edge's length.
 """
 
 import re
@@ -25,7 +25,8 @@ class EdgePart:
     panel, edge
         The edge.
     start, end
-        Where the walk starts and ends, as fractions of the edge's length; from 1 to 0 it runs against the loop.
+        Where the walk starts and ends, as fractions of the edge's length; from 1 to 0 it runs against the
+        loop.
     """
 
     panel: str
@@ -77,7 +78,9 @@ def _side(text: str, where: str, *, forwards: bool) -> tuple[EdgePart, ...]:
 def _part(text: str, where: str, forwards: bool) -> EdgePart:
     found = _PART.fullmatch(text)
     if found is None:
-        raise InputError(f"{where}: '{text}' is no edge; write PANEL.NUMBER, such as front.3 or front.3[0.2:0.8]")
+        raise InputError(
+            f"{where}: '{text}' is no edge; write PANEL.NUMBER, such as front.3 or front.3[0.2:0.8]"
+        )
     try:
         low = float(found["from"] or 0.0)
         high = float(found["to"] or 1.0)

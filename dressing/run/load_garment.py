@@ -108,7 +108,9 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
         return found
-    if isinstance(garment.seams, tuple) and not (isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS):
+    if isinstance(garment.seams, tuple) and not (
+        isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS
+    ):
         found = with_seams(found, garment.seams)
     return mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
 

@@ -98,7 +98,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "garment": {
         "source": (
             str,
-            "built-in name, GarmentCode .json, DXF or FreeSewing .svg pattern, or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
+            "built-in name, GarmentCode .json, DXF or FreeSewing .svg pattern, "
+            "or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
         ),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
@@ -109,7 +110,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "up": (str, "y or z of a mesh file"),
         "size": (str, "size of a DXF pattern that holds several"),
         "allowance": (NUMBER, "seam allowance [m] of a DXF pattern without a sew line; 0: none is drawn"),
-        "seams": ((str, list), 'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]'),
+        "seams": (
+            (str, list),
+            'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
+        ),
     },
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),

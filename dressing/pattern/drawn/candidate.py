@@ -16,7 +16,7 @@ EdgeKey = tuple[str, int]
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A drawn edge walked along its drawn loop (way 1) or against it (-1), on the piece or its mirrored side."""
+    """A drawn edge walked along its drawn loop (way 1) or against it (-1), mirrored or not."""
 
     piece: Piece
     edge: int
@@ -119,7 +119,8 @@ def is_central(piece: Piece, edge: int) -> bool:
         return False
     count = len(piece.edges)
     return all(
-        edges_alike(piece, (edge - step) % count, piece, (edge + step) % count) for step in range(1, count // 2 + 1)
+        edges_alike(piece, (edge - step) % count, piece, (edge + step) % count)
+        for step in range(1, count // 2 + 1)
     )
 
 

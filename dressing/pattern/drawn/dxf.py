@@ -59,10 +59,15 @@ def read_dxf_pattern(
     path = Path(path)
     with about(file=path):
         drawing = read_dxf(path)
-        blocks = [block for block in drawing.blocks if any(e.layer == CUT and len(e.points) > 1 for e in block.entities)]
+        blocks = [
+            block
+            for block in drawing.blocks
+            if any(e.layer == CUT and len(e.points) > 1 for e in block.entities)
+        ]
         if not blocks:
             raise InputError(
-                f"{path.name}: no pattern pieces (blocks with an outline on layer 1); export it as DXF-AAMA or ASTM"
+                f"{path.name}: no pattern pieces (blocks with an outline on layer 1); "
+                "export it as DXF-AAMA or ASTM"
             )
         metres = _metres(path.name, drawing, units)
         chosen, notes = _of_size(path.name, drawing, blocks, size)
@@ -73,7 +78,9 @@ def read_dxf_pattern(
             name = _plain(base)
             if name in names:
                 number = next(n for n in range(2, len(names) + 3) if f"{name}_{n}" not in names)
-                notes.append(f"Piece '{name}' is there more than once; a further one is called '{name}_{number}'.")
+                notes.append(
+                    f"Piece '{name}' is there more than once; a further one is called '{name}_{number}'."
+                )
                 name = f"{name}_{number}"
             names.append(name)
             pieces.append(_piece(path.name, block, name, words, metres, allowance))
@@ -94,7 +101,9 @@ def _metres(file: str, drawing: DxfFile, units: str | None) -> float:
             return METRES["in"] if word in ("ENGLISH", "INCH", "INCHES") else METRES["mm"]
     if name := INSUNITS.get(drawing.header.get("$INSUNITS", "").strip()):
         return METRES[name]
-    raise InputError(f"{file}: does not say its units; give them (--pattern-units mm, cm or in)", field="units")
+    raise InputError(
+        f"{file}: does not say its units; give them (--pattern-units mm, cm or in)", field="units"
+    )
 
 
 def _of_size(
@@ -213,7 +222,9 @@ def _points(layers: dict[str, list[Entity]], layer: str) -> Float:
 
 
 def _chains(layers: dict[str, list[Entity]], layer: str) -> list[Entity]:
-    return [e for e in layers.get(layer, []) if e.kind in ("POLYLINE", "LWPOLYLINE", "LINE") and len(e.points) > 1]
+    return [
+        e for e in layers.get(layer, []) if e.kind in ("POLYLINE", "LWPOLYLINE", "LINE") and len(e.points) > 1
+    ]
 
 
 def _loop(
@@ -223,7 +234,12 @@ def _loop(
 
     Where the ends lie on the mirror line, it closes the outline. Raises InputError if it stays open.
     """
-    closed = [e for e in chains if e.closed or len(e.points) > 3 and np.allclose(e.points[0], e.points[-1], rtol=0, atol=GAP / metres)]
+    closed = [
+        e
+        for e in chains
+        if e.closed
+        or (len(e.points) > 3 and np.allclose(e.points[0], e.points[-1], rtol=0, atol=GAP / metres))
+    ]
     if closed:
         largest = max(closed, key=lambda e: abs(signed_area(e.points)))
         outline = _checked(where, counter_clockwise(without_repeats(largest.points * metres)))
@@ -241,10 +257,13 @@ def _loop(
             raise _open(where, edges[-1][-1], float(gap))
         following = left.pop(index)
         edges.append(following[::-1] if turn else following)
-    gap = float(np.linalg.norm(edges[0][0] - edges[-1][-1]))
-    if gap > GAP:
-        if mirror is None or max(distance_to_line(mirror, edges[0][0]), distance_to_line(mirror, edges[-1][-1])) > 2e-3:
-            raise _open(where, edges[-1][-1], gap)
+    rest = float(np.linalg.norm(edges[0][0] - edges[-1][-1]))
+    if rest > GAP:
+        if (
+            mirror is None
+            or max(distance_to_line(mirror, edges[0][0]), distance_to_line(mirror, edges[-1][-1])) > 2e-3
+        ):
+            raise _open(where, edges[-1][-1], rest)
         edges.append(np.array([edges[-1][-1], edges[0][0]]))
     ends = [edge[0] for edge in edges]
     for number, edge in enumerate(edges):
@@ -257,8 +276,8 @@ def _loop(
 
 def _open(where: str, end: Float, gap: float) -> InputError:
     return InputError(
-        f"{where} has an open outline: {1e3 * gap:.3g} mm are missing at ({1e3 * end[0]:.1f}, {1e3 * end[1]:.1f}) mm; "
-        "close it and export it again"
+        f"{where} has an open outline: {1e3 * gap:.3g} mm are missing at "
+        f"({1e3 * end[0]:.1f}, {1e3 * end[1]:.1f}) mm; close it and export it again"
     )
 
 

@@ -52,9 +52,13 @@ def read_freesewing_svg(path: str | Path) -> DrawnPattern:
                 piece = _piece(path.name, group, found["part"], metres)
                 pieces += [piece] if piece is not None else []
         if not pieces:
-            raise InputError(f"{path.name}: no pattern pieces (paths of class 'fabric'); draft the pattern again")
+            raise InputError(
+                f"{path.name}: no pattern pieces (paths of class 'fabric'); draft the pattern again"
+            )
     pairs = [piece.name for piece in pieces if piece.pair]
-    notes = (f"Taken for mirrored pairs: {', '.join(pairs)}; the seams file can say otherwise.",) if pairs else ()
+    notes = (
+        (f"Taken for mirrored pairs: {', '.join(pairs)}; the seams file can say otherwise.",) if pairs else ()
+    )
     return DrawnPattern(name=path.stem, pieces=tuple(pieces), notes=notes)
 
 
@@ -87,7 +91,9 @@ def _scale(file: str, root: ElementTree.Element) -> float:
 def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> Piece | None:
     """Return the piece of a part, None if the part draws no fabric."""
     where = f"{file}: piece '{name}'"
-    paths = [(e, flat_path(e.get("d", ""), where) * [metres, -metres]) for e in group.iter() if _tag(e) == "path"]
+    paths = [
+        (e, flat_path(e.get("d", ""), where) * [metres, -metres]) for e in group.iter() if _tag(e) == "path"
+    ]
     fabric = [points for e, points in paths if e.get("class") == "fabric"]
     if not fabric:
         return None

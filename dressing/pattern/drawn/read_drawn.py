@@ -21,7 +21,7 @@ SHOWN_QUESTIONS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnOptions:
-    """How a drawn pattern is read: its size, units and seam allowance [m], and its seams file or seams as texts."""
+    """How a drawn pattern is read: size, units, seam allowance [m], and its seams file or seams as texts."""
 
     size: str | None = None
     units: str | None = None
@@ -30,17 +30,19 @@ class DrawnOptions:
 
 
 def read_drawn(path: Path, options: DrawnOptions) -> DrawnPattern:
-    """Return the pieces of a file. Raises InputError naming what is wrong in it, or an option it does not take."""
+    """Return the pieces of a file. Raises InputError naming what is wrong, or an option it does not take."""
     if path.suffix.lower() == ".dxf":
         return read_dxf_pattern(path, size=options.size, units=options.units, allowance=options.allowance)
     for field in ("size", "units", "allowance"):
         if getattr(options, field) is not None:
-            raise InputError(f"{path.name}: {field} is for DXF patterns; an SVG holds one size in mm", field=field)
+            raise InputError(
+                f"{path.name}: {field} is for DXF patterns; an SVG holds one size in mm", field=field
+            )
     return read_freesewing_svg(path)
 
 
 def told(path: Path, options: DrawnOptions) -> Told:
-    """Return the pieces of a file with what a seams file says: the one given, or the one beside the pattern."""
+    """Return the pieces of a file with what a seams file says: the one given, or the one beside it."""
     drawn = read_drawn(path, options)
     file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
     said = Told(drawn, {})
@@ -79,9 +81,7 @@ def told_or_sure(path: Path, options: DrawnOptions) -> Told:
             field="seams",
         )
     note = f"Seams were found by lengths and corners, and are listed in {file.name}."
-    return replace(
-        said, drawn=replace(said.drawn, seams=suggestions.sure, notes=(*said.drawn.notes, note))
-    )
+    return replace(said, drawn=replace(said.drawn, seams=suggestions.sure, notes=(*said.drawn.notes, note)))
 
 
 def write_suggestions(drawn: DrawnPattern, suggestions: Suggestions, file: Path) -> None:
@@ -92,5 +92,6 @@ def write_suggestions(drawn: DrawnPattern, suggestions: Suggestions, file: Path)
         write_atomic(file.with_suffix(".svg"), picture.encode())
     except OSError as error:
         raise InputError(
-            f"{file}: the seams file cannot be written ({error}); copy the pattern to a folder of yours", file=file
+            f"{file}: the seams file cannot be written ({error}); copy the pattern to a folder of yours",
+            file=file,
         ) from None

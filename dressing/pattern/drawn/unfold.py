@@ -1,4 +1,4 @@
-"""Drawn pieces as the panels that are cut from them: halves unfolded, mirrored twins added, seams of both sides."""
+"""Drawn pieces as the panels that are cut from them: halves unfolded, twins added, seams of both sides."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -33,7 +33,8 @@ def unfolded(drawn: DrawnPattern) -> Pattern:
         stitches=(),
         notes=drawn.notes,
         seams=tuple(
-            Seam(*(tuple(_on_panel(part, pieces) for part in run) for run in (seam.a, seam.b))) for seam in seams
+            Seam(*(tuple(_on_panel(part, pieces) for part in run) for run in (seam.a, seam.b)))
+            for seam in seams
         ),
     )
 
@@ -57,9 +58,14 @@ def mirrored_part(part: EdgePart) -> EdgePart:
 
 def panels_of(piece: Piece) -> list[Panel]:
     """Return the panels of a piece: one, or one and its mirrored twin. Fold lines come to lie on x = 0."""
-    notches = {n: tuple(m.along / piece.length(n) for m in piece.notches if m.edge == n) for n in range(len(piece.edges))}
+    notches = {
+        n: tuple(m.along / piece.length(n) for m in piece.notches if m.edge == n)
+        for n in range(len(piece.edges))
+    }
     if piece.fold is None:
-        panel = _panel(piece.name, piece.edges, [notches[n] for n in range(len(piece.edges))], piece.warp_degrees)
+        panel = _panel(
+            piece.name, piece.edges, [notches[n] for n in range(len(piece.edges))], piece.warp_degrees
+        )
         if not piece.pair:
             return [panel]
         edges = [edge[::-1] * [-1.0, 1.0] for edge in reversed(piece.edges)]
@@ -77,7 +83,7 @@ def panels_of(piece: Piece) -> list[Panel]:
 
 
 def _fold_frame(piece: Piece) -> tuple[Float, Float, float]:
-    """Return the turn and the origin that bring the fold onto x = 0 and the cloth to x > 0, and the turn's angle.
+    """Return the turn and the origin that bring the fold onto x = 0 and the cloth to x > 0, and the angle.
 
     The loop runs counter-clockwise, so along the fold it runs down where the cloth is on its right-hand side.
     """
@@ -115,14 +121,16 @@ def panel_edge(piece: Piece, edge: int, *, mirrored: bool = False) -> tuple[str,
 
 
 def _add(seams: list[Seam], seam: Seam) -> None:
-    """Add a seam unless its edges are sewn to each other already, as a seam of a piece to its own mirror is."""
+    """Add a seam unless its edges are sewn already, as those of a piece to its own mirror are."""
     if _stretches(seam) not in [_stretches(other) for other in seams]:
         seams.append(seam)
 
 
 def _stretches(seam: Seam) -> set[frozenset[tuple[str, int, float, float]]]:
     return {
-        frozenset((p.panel, p.edge, *sorted((round(p.start, 9), round(p.end, 9)))) for p in run)
+        frozenset(
+            (p.panel, p.edge, round(min(p.start, p.end), 9), round(max(p.start, p.end), 9)) for p in run
+        )
         for run in (seam.a, seam.b)
     }
 
@@ -138,7 +146,9 @@ def _check(file: str, seam: Seam, part: EdgePart, pieces: dict[str, Piece]) -> N
             f"{where}: piece '{bare}' has no edge {part.edge}, only 0..{len(piece.edges) - 1}", field="seams"
         )
     if part.edge == piece.fold:
-        raise InputError(f"{where}: edge {bare}.{part.edge} lies on the fold and is no edge of the cloth", field="seams")
+        raise InputError(
+            f"{where}: edge {bare}.{part.edge} lies on the fold and is no edge of the cloth", field="seams"
+        )
     if bare != part.panel and not piece.mirrors:
         raise InputError(
             f"{where}: piece '{bare}' has no mirrored side; say 'pair = true' or 'fold = NUMBER' for it",
@@ -165,4 +175,3 @@ def _panel(name: str, edges: Sequence[Float], notches: Sequence[tuple[float, ...
         ),
         warp_degrees=warp - 180.0 * round(warp / 180.0),
     )  # fmt: skip
-

@@ -11,7 +11,17 @@ import pytest
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.garmentcode import check_pattern, read_garmentcode
 from toile.dressing.pattern.garmentcode_write import write_garmentcode
-from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Polyline, Quadratic, Stitch
+from toile.dressing.pattern.pattern import (
+    Arc,
+    Cubic,
+    Curve,
+    Edge,
+    Panel,
+    Pattern,
+    Polyline,
+    Quadratic,
+    Stitch,
+)
 from toile.dressing.pattern.pattern_curve import cut_curve, edge_length, edge_points
 from toile.dressing.pattern.pattern_outline import default_segments, outline, signed_area
 from toile.dressing.pattern.seam import EdgePart, read_seam
@@ -71,7 +81,9 @@ def test_both_sides_are_split_at_the_partners_corners() -> None:
     check_pattern(pattern)
     assert pattern.seams == ()
     assert [s.name for s in pattern.stitches] == ["wide.0 - right.2", "wide.1 - left.2"]
-    assert [edge_length(pattern.panel("wide"), n) for n in range(5)] == pytest.approx([0.4, 0.6, 0.3, 1.0, 0.3])
+    assert [edge_length(pattern.panel("wide"), n) for n in range(5)] == pytest.approx(
+        [0.4, 0.6, 0.3, 1.0, 0.3]
+    )
     assert not any(stitch.right_wrong for stitch in pattern.stitches)
 
 
@@ -98,9 +110,7 @@ def test_notches_meet_and_share_out_the_ease_between_them() -> None:
     pattern = split_seams(sewn("wide.0 = left.2", wide=(0.5,), left=(0.55,)))
     wide, left = pattern.panel("wide"), pattern.panel("left")
     # Against the loop: the notch of the left panel is 45 % along the seam.
-    lengths = [
-        (edge_length(wide, s.edge_a), edge_length(left, s.edge_b)) for s in pattern.stitches
-    ]
+    lengths = [(edge_length(wide, s.edge_a), edge_length(left, s.edge_b)) for s in pattern.stitches]
     assert lengths == [pytest.approx((0.5, 0.27)), pytest.approx((0.5, 0.33))]
 
 
@@ -145,7 +155,9 @@ def test_pieces_of_a_cut_edge_lie_on_it(curve: Curve) -> None:
     panel = rectangle("p", 1.0, 0.5, curve=curve)
     whole, fractions = edge_length(panel, 0), [0.2, 0.65]
     start, found = (0.0, 0.0), []
-    for (piece, end), share in zip(cut_curve(panel, 0, fractions), np.diff([0.0, *fractions, 1.0]), strict=True):
+    for (piece, end), share in zip(
+        cut_curve(panel, 0, fractions), np.diff([0.0, *fractions, 1.0]), strict=True
+    ):
         own = Panel(name="", vertices=(start, end), edges=(Edge(0, 1, piece),))
         assert edge_length(own, 0) == pytest.approx(share * whole, rel=1e-6)
         found.append(edge_points(own, 0, 1000))
@@ -165,7 +177,8 @@ def test_polylines_are_written_as_curves_with_seams_split(tmp_path: Path) -> Non
     back = read_garmentcode(tmp_path / "p_specification.json")
     assert not any(isinstance(edge.curve, Polyline) for panel in back.panels for edge in panel.edges)
     areas = [
-        signed_area(outline(p.panel("wide"), default_segments(p.panel("wide"), 400))[0]) for p in (pattern, back)
+        signed_area(outline(p.panel("wide"), default_segments(p.panel("wide"), 400))[0])
+        for p in (pattern, back)
     ]
     assert areas[1] == pytest.approx(areas[0], rel=1e-3)
     whole = sum(edge_length(back.panel("wide"), s.edge_a) for s in back.stitches)

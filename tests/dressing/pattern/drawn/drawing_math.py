@@ -2,6 +2,7 @@
 
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,9 @@ def fabric_area(svg: Path, part: str) -> float:
     """Area [m^2] of the first path of class "fabric" of a part of a FreeSewing SVG."""
     text = svg.read_text()
     group = text[re.search(rf'-part-\w+\.{part}"', text).end() :]  # type: ignore[union-attr]
-    d = re.search(r'<path\s+class="fabric"[^>]*?\sd="([^"]+)"', group) or re.search(r'class="fabric"\s[^>]*d="([^"]+)"', group)
+    d = re.search(r'<path\s+class="fabric"[^>]*?\sd="([^"]+)"', group) or re.search(
+        r'class="fabric"\s[^>]*d="([^"]+)"', group
+    )
     assert d is not None
     tokens = re.findall(r"[MLCz]|-?[\d.]+(?:e-?\d+)?", d[1])
     curves: list[Float] = []
@@ -51,7 +54,9 @@ def fabric_area(svg: Path, part: str) -> float:
     return 1e-6 * bezier_area(curves)
 
 
-def _spline(a: tuple[float, float], b: tuple[float, float], angles: tuple[float, float], lengths: tuple[float, float]) -> Float:
+def _spline(
+    a: tuple[float, float], b: tuple[float, float], angles: tuple[float, float], lengths: tuple[float, float]
+) -> Float:
     """A spline of Valentina: control points by angle, counter-clockwise with y down, and length."""
     control = [
         (x + length * math.cos(math.radians(angle)), y - length * math.sin(math.radians(angle)))
@@ -61,18 +66,20 @@ def _spline(a: tuple[float, float], b: tuple[float, float], angles: tuple[float,
 
 
 def _line(*points: tuple[float, float]) -> list[Float]:
-    return [np.array([a, b]) for a, b in zip(points, points[1:], strict=False)]
+    return [np.array([a, b]) for a, b in pairwise(points)]
 
 
 OWN_TEE: dict[str, list[Float]] = {
     "FRONT": [
         _spline((0, 9), (8, 0), (0, 260), (4.5, 4.5)), *_line((8, 0), (20, 4)),
-        _spline((20, 4), (18.5, 14), (250, 80), (3.5, 3.5)), _spline((18.5, 14), (25, 23), (280, 180), (4, 4)),
+        _spline((20, 4), (18.5, 14), (250, 80), (3.5, 3.5)),
+        _spline((18.5, 14), (25, 23), (280, 180), (4, 4)),
         *_line((25, 23), (25, 60), (0, 60), (0, 9)),
     ],
     "BACK": [
         _spline((40, 2.5), (48, 0), (0, 215), (4.5, 2)), *_line((48, 0), (60, 4)),
-        _spline((60, 4), (59.2, 14), (255, 85), (3.5, 3.5)), _spline((59.2, 14), (65, 23), (275, 180), (4, 3.6)),
+        _spline((60, 4), (59.2, 14), (255, 85), (3.5, 3.5)),
+        _spline((59.2, 14), (65, 23), (275, 180), (4, 3.6)),
         *_line((65, 23), (65, 60), (40, 60), (40, 2.5)),
     ],
     "SLEEVE": [

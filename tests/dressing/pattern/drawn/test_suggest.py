@@ -12,9 +12,19 @@ from toile.dressing.pattern.drawn.suggest import suggest_seams
 
 SAMPLES = Path(__file__).parent / "samples"
 TRUE = {
-    "teagan": ["front.1 = back~.1", "front.3 = back~.3", "sleeve.1 = sleeve.3", "sleeve.2 = front~.2 + back.2"],
+    "teagan": [
+        "front.1 = back~.1",
+        "front.3 = back~.3",
+        "sleeve.1 = sleeve.3",
+        "sleeve.2 = front~.2 + back.2",
+    ],
     "aaron": ["front.2 = back~.2", "front.4 = back~.4"],
-    "brian": ["back.2 = front~.2", "back.4 = front~.4", "sleeve.0 = sleeve.2", "sleeve.3 = front~.3 + back.3"],
+    "brian": [
+        "back.2 = front~.2",
+        "back.4 = front~.4",
+        "sleeve.0 = sleeve.2",
+        "sleeve.3 = front~.3 + back.3",
+    ],
     "titan": ["back.0 = front.2", "back.2 = front.0", "back.4 = back~.4", "front.3 = front~.3"],
     "penelope": ["back.4 = front~.2"],
 }
@@ -57,7 +67,9 @@ def test_twins_that_are_drawn_out_are_not_sewn_to_each_other() -> None:
 
 
 def test_a_cap_whose_notches_do_not_tell_front_from_back_is_asked_for() -> None:
-    found = suggest_seams(read_dxf_pattern(SAMPLES / "synthetic_accumark_astm_teagan.dxf", size="34", allowance=0.0))
+    found = suggest_seams(
+        read_dxf_pattern(SAMPLES / "synthetic_accumark_astm_teagan.dxf", size="34", allowance=0.0)
+    )
     assert [q.split("   ")[0] for q in found.questions] == ["TEAGAN-SL.2 = TEAGAN-FR~.2 + TEAGAN-BA.2"]
 
 
@@ -67,7 +79,9 @@ def test_halves_that_no_file_calls_halves_are_asked_for() -> None:
     assert any("FRONT" in question and "say fold = 5" in question for question in questions)
 
 
-def polygon(name: str, *points: tuple[float, float], fold: int | None = None, notches: tuple[Notch, ...] = ()) -> Piece:
+def polygon(
+    name: str, *points: tuple[float, float], fold: int | None = None, notches: tuple[Notch, ...] = ()
+) -> Piece:
     corners = np.array(points)
     edges = tuple(np.array([corners[n], corners[(n + 1) % len(corners)]]) for n in range(len(corners)))
     return Piece(name=name, edges=edges, fold=fold, notches=notches, words=name)
