@@ -1,11 +1,13 @@
 """A garment ready for the engine, made from a pattern, a built-in draft or a 3-D mesh."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
+from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
@@ -60,6 +62,8 @@ class GarmentMesh:
     motion
         Where the file's corners go [m]: pinned and drawn vertices follow it where the avatar moves. None:
         they stay.
+    panel_fabrics
+        Fabric of panels that are of another than the garment, by their names.
     notes
         What was noticed in the file, one sentence each.
     """
@@ -83,4 +87,5 @@ class GarmentMesh:
     pull: Float | None = None
     origin: "Origin | None" = None
     motion: VertexMotion | None = None
+    panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

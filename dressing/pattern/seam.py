@@ -58,7 +58,7 @@ class Seam:
         return _side_text(self.a, forwards=True) + " = " + _side_text(self.b, forwards=False)
 
 
-def read_seam(text: str, where: str) -> Seam:
+def read_seam(text: str, where: str = "seam") -> Seam:
     """Return the seam of a text. Raises InputError, beginning with `where`, if it cannot be read."""
     if not isinstance(text, str):
         raise InputError(f"{where}: a seam is a text such as 'front.3 + back.2 = sleeve.1', got {text!r}")

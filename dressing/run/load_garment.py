@@ -20,6 +20,7 @@ from toile.dressing.pattern.garmentcode import check_pattern
 from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.pattern.smpl_frame import on_the_floor
 from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
@@ -34,7 +35,13 @@ def load_garment(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) 
     """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
     with about(garment=garment.name):
         with about(file=garment.source if isinstance(garment.source, Path) else None):
-            mesh = replace(_mesh_of(garment, form, edges), name=garment.name)
+            mesh = replace(
+                _mesh_of(garment, form, edges), name=garment.name, panel_fabrics=garment.panel_fabrics
+            )
+            for panel in garment.panel_fabrics:
+                if panel not in mesh.panel_names:
+                    said = unknown_name("panel", panel, mesh.panel_names)
+                    raise InputError(f"garment '{mesh.name}', panel_fabrics: {said}", field="panel_fabrics")
             _check_place(mesh, form.avatar)
         return turn_warp(mesh, garment.warp_angle)
 
@@ -103,6 +110,8 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
     elif isinstance(source, Path):
         found = read_garment(source)
+        if isinstance(found, Pattern):
+            found = on_the_floor(found, form.avatar.vertices)
     else:
         found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):

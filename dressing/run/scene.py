@@ -87,6 +87,8 @@ class Garment:
     warp_angle
         Turn of the warp direction in the pattern plane, counter-clockwise seen from the right side
         [degrees]: one number for all panels, or panel name to number.
+    panel_fabrics
+        Preset name or Fabric of panels that are of another than the garment, by their names.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
         `units` may also be those of a DXF pattern that does not say them.
@@ -109,6 +111,7 @@ class Garment:
     size: str | None = None
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
+    panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,7 +82,7 @@ def drape(
     worn = garments[: len(parts)]
     run = Drape(
         worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
-        _plan(options, [fabric for _, fabric in worn]), reel.show,
+        _plan(options, _all_fabrics(worn)), reel.show,
     )  # fmt: skip
     failure = next((part.failure for part in parts if part.failure is not None), None)
     run.record.cancelled = parts[-1].status == "cancelled"
@@ -148,7 +148,7 @@ def _put_on(
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
-    run = Drape(cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.show)
+    run = Drape(cloth, obstacle, growth, _plan(options, _all_fabrics(garments)), reel.show)
     return _outcome(run, garments, _broken_down(run, run.run), tuple(notes))
 
 
@@ -161,6 +161,11 @@ def _broken_down(run: Drape, phases: Callable[[], object]) -> Failure | None:
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
     return None
+
+
+def _all_fabrics(garments: list[tuple[GarmentMesh, Fabric]]) -> list[Fabric]:
+    """Return the fabrics of garments and of their panels."""
+    return [entry for mesh, fabric in garments for entry in (fabric, *mesh.panel_fabrics.values())]
 
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:

@@ -81,7 +81,9 @@ def test_faults_of_a_seams_file_are_named(teagan: DrawnPattern, tmp_path: Path, 
         ("front.1 = back~.1 + back~.1", "overlap"),
     ],
 )
-def test_seams_of_what_does_not_exist_are_refused(teagan: DrawnPattern, tmp_path: Path, seam: str, said: str) -> None:
+def test_seams_of_what_does_not_exist_are_refused(
+    teagan: DrawnPattern, tmp_path: Path, seam: str, said: str
+) -> None:
     file = tmp_path / "s.toml"
     file.write_text(f'seams = ["{seam}"]')
     with pytest.raises(InputError, match=said):
