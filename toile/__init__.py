@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from toile.dressing.pattern.drafts import register_draft
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
     from toile.dressing.pattern.pattern import Edge, Panel, Pattern, Stitch
+    from toile.dressing.pattern.seam import EdgePart, Seam, read_seam
     from toile.dressing.run.air import Air
     from toile.dressing.run.dress import dress, resume
     from toile.dressing.run.progress import ProgressState
@@ -49,6 +50,7 @@ _HOME = {
     "BatchStopped": "toile.dressing.batch.batch_stopped",
     "DressedGarment": "toile.dressing.run.result",
     "Edge": "toile.dressing.pattern.pattern",
+    "EdgePart": "toile.dressing.pattern.seam",
     "Fabric": "toile.engine.cloth.fabric",
     "Garment": "toile.dressing.run.scene",
     "GarmentMesh": "toile.dressing.garment.garment_mesh",
@@ -62,6 +64,7 @@ _HOME = {
     "ProgressState": "toile.dressing.run.progress",
     "Result": "toile.dressing.run.result",
     "Scene": "toile.dressing.run.scene",
+    "Seam": "toile.dressing.pattern.seam",
     "Stitch": "toile.dressing.pattern.pattern",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
@@ -72,6 +75,7 @@ _HOME = {
     "load_scene": "toile.dressing.run.scene_file",
     "mannequin": "toile.dressing.body.mannequin",
     "measure": "toile.dressing.body.measure",
+    "read_seam": "toile.dressing.pattern.seam",
     "register_draft": "toile.dressing.pattern.drafts",
     "register_reader": "toile.dressing.garment.readers",
     "resume": "toile.dressing.run.dress",
@@ -86,6 +90,7 @@ __all__ = [
     "BatchStopped",
     "DressedGarment",
     "Edge",
+    "EdgePart",
     "Fabric",
     "Garment",
     "GarmentMesh",
@@ -99,6 +104,7 @@ __all__ = [
     "ProgressState",
     "Result",
     "Scene",
+    "Seam",
     "Stitch",
     "VertexMotion",
     "batch",
@@ -109,6 +115,7 @@ __all__ = [
     "load_scene",
     "mannequin",
     "measure",
+    "read_seam",
     "register_draft",
     "register_reader",
     "resume",

@@ -141,7 +141,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         action="append",
         default=[],
         metavar="FILE|NAME",
-        help="GarmentCode .json, DXF or FreeSewing .svg pattern, mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
+        help="GarmentCode .json, DXF or FreeSewing .svg pattern, "
+        "mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
         "from the body outwards",
     )
     add_pattern_options(dress)

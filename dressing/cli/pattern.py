@@ -31,12 +31,26 @@ def add_pattern(commands: "Commands[Parser]") -> None:
     pattern = commands.add_parser(
         "pattern",
         help="show a sewing pattern, and convert it",
-        description="Show a sewing pattern: its pieces, edges and seams, and what is open about them. A pattern "
-        "without seams receives a seams file to edit.",
+        description="Show a sewing pattern: its pieces, edges and seams, and what is open about them. "
+        "A pattern without seams receives a seams file to edit.",
     )
     pattern.add_argument(
         "pattern", type=Path, metavar="FILE", help="GarmentCode .json, .dxf or FreeSewing .svg"
     )
+    pattern.add_argument(
+        "--draft", metavar="DESIGN",
+        help="first draft a FreeSewing design, such as teagan, to FILE.svg (needs Node and its npm packages)",
+    )  # fmt: skip
+    pattern.add_argument(
+        "--measurements",
+        type=Path,
+        metavar="FILE.json",
+        help="for --draft: FreeSewing's names to millimetres",
+    )
+    pattern.add_argument(
+        "--packages", type=Path, default=Path(), metavar="DIR",
+        help="for --draft: folder that holds node_modules (default: this one)",
+    )  # fmt: skip
     pattern.add_argument(
         "-o", "--output", type=Path, metavar="OUT", help=".svg: a picture; .json: the pattern in GarmentCode"
     )
@@ -73,6 +87,8 @@ def _run_pattern(options: argparse.Namespace) -> int:
     output: Path | None = options.output
     if output is not None and output.suffix.lower() not in (".svg", ".json"):
         raise InputError(f"{output}: write a picture (.svg) or GarmentCode (.json)", file=output)
+    if options.draft is not None:
+        _draft(options.draft, options.measurements, options.packages, path)
     if not path.is_file():
         raise InputError(f"{path}: no such pattern file; check the path", file=path)
     drawn = DrawnOptions(
@@ -93,6 +109,30 @@ def _run_pattern(options: argparse.Namespace) -> int:
     if output is not None:
         _write(output, pattern, pattern_svg(pattern))
     return DONE
+
+
+def _draft(design: str, measurements: Path | None, packages: Path, path: Path) -> None:
+    """Draft a FreeSewing design to a file of measurements."""
+    import json
+
+    from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+    from toile.dressing.pattern.drawn.freesewing_draft import draft_freesewing
+
+    if path.suffix.lower() != ".svg":
+        raise InputError(f"{path}: a draft of FreeSewing is an .svg file", file=path)
+    if measurements is None:
+        raise InputError("--draft needs --measurements FILE.json", field="--measurements")
+    try:
+        data = json.loads(measurements.read_text(encoding="utf-8"))
+        given = {str(name): float(value) for name, value in data.get("freesewing", data).items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise InputError(
+            f"{measurements}: not a file of measurements, names to millimetres ({error})", file=measurements
+        ) from None
+    picture = draft_freesewing(design, given, packages)
+    writable_folder(path.parent)
+    write_atomic(path, picture.encode())
+    print(f"wrote {path}")
 
 
 def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar: Path | None) -> int:

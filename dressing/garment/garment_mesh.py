@@ -1,11 +1,13 @@
 """A garment ready for the engine, made from a pattern, a built-in draft or a 3-D mesh."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
+from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 
@@ -65,6 +67,8 @@ class GarmentMesh:
         Rigid pieces that ride along, or None.
     thickness
         Thickness of the cloth as the file shows it [m], whatever the fabric's is; None: it does not.
+    panel_fabrics
+        Fabric of panels that are of another than the garment, by their names.
     notes
         What was noticed in the file, one sentence each.
     """
@@ -90,4 +94,5 @@ class GarmentMesh:
     motion: VertexMotion | None = None
     trims: "Trims | None" = None
     thickness: float | None = None
+    panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

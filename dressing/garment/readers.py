@@ -22,8 +22,8 @@ def register_reader(suffix: str, read: Reader) -> None:
     Parameters
     ----------
     suffix
-        Extension of the files, such as ".pds"; upper and lower case are the same. A reader of ".dxf" or ".svg"
-        takes the place of toile's own.
+        Extension of the files, such as ".pds"; upper and lower case are the same. A reader of ".dxf" or
+        ".svg" takes the place of toile's own.
     read
         Takes the file's path and returns its pattern, which is checked and meshed as finely as the scene asks
         for, or its mesh. Both are placed around the body, in metres, Y up, the body facing +Z, feet at y = 0.

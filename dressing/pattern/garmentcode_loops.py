@@ -50,7 +50,7 @@ def reversed_loop(panel: Panel) -> Panel:
             end=edge.start,
             curve=_reversed_curve(edge.curve),
             notches=tuple(1.0 - notch for notch in reversed(edge.notches)),
-        )  # fmt: skip
+        )
         for edge in reversed(panel.edges)
     )
     return replace(panel, edges=edges)

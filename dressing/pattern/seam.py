@@ -1,8 +1,8 @@
 """Seams between runs: lists of edges or parts of edges, as people write them down.
 
-In text, `front.3 + back.2[0.5:] = sleeve.1` sews two edges of one side to one of the other. What stands left of
-"=" is walked along its panels' loops, what stands right of it against them, so that right sides face each other;
-a "-" in front of an edge turns it around. `[0.2:0.8]` takes a part, in fractions of the edge's length.
+In text, `front.3 + back.2[0.5:] = sleeve.1` sews two edges of one side to one of the other. What stands left
+of "=" is walked along its panels' loops, what stands right of it against them, so that right sides face each
+other; a "-" in front of an edge turns it around. `[0.2:0.8]` takes a part, in fractions of the edge's length.
 """
 
 import re
@@ -25,7 +25,8 @@ class EdgePart:
     panel, edge
         The edge.
     start, end
-        Where the walk starts and ends, as fractions of the edge's length; from 1 to 0 it runs against the loop.
+        Where the walk starts and ends, as fractions of the edge's length; from 1 to 0 it runs against the
+        loop.
     """
 
     panel: str
@@ -57,7 +58,7 @@ class Seam:
         return _side_text(self.a, forwards=True) + " = " + _side_text(self.b, forwards=False)
 
 
-def read_seam(text: str, where: str) -> Seam:
+def read_seam(text: str, where: str = "seam") -> Seam:
     """Return the seam of a text. Raises InputError, beginning with `where`, if it cannot be read."""
     if not isinstance(text, str):
         raise InputError(f"{where}: a seam is a text such as 'front.3 + back.2 = sleeve.1', got {text!r}")

@@ -1,7 +1,7 @@
-"""Seams between runs of edges as stitches between whole ones: both sides are split where the partner has a corner.
+"""Seams between runs of edges as stitches between whole ones: both sides are split at corners.
 
-Both runs are walked together, each as a fraction of its length. Where both have a corner within `SAME_PLACE`, or
-both have the same number of notches, these places meet, and in between lengths are in proportion.
+Both runs are walked together. Where both have a corner within `SAME_PLACE`, or both have the same number of
+notches, these places meet, and in between lengths are in proportion.
 """
 
 from collections.abc import Mapping, Sequence

@@ -23,6 +23,7 @@ from toile.dressing.pattern.garmentcode import check_pattern
 from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.pattern.smpl_frame import on_the_floor
 from toile.dressing.pattern.twisted_seams import check_twists
 from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
@@ -40,7 +41,13 @@ def load_garment(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) 
     """Return the garment's mesh, its warp turned as asked for. Raises InputError naming what is wrong."""
     with about(garment=garment.name):
         with about(file=garment.source if isinstance(garment.source, Path) else None):
-            mesh = replace(_mesh_of(garment, form, edges), name=garment.name)
+            mesh = replace(
+                _mesh_of(garment, form, edges), name=garment.name, panel_fabrics=garment.panel_fabrics
+            )
+            for panel in garment.panel_fabrics:
+                if panel not in mesh.panel_names:
+                    said = unknown_name("panel", panel, mesh.panel_names)
+                    raise InputError(f"garment '{mesh.name}', panel_fabrics: {said}", field="panel_fabrics")
             _check_place(mesh, form.avatar)
         return turn_warp(mesh, garment.warp_angle)
 
@@ -113,6 +120,8 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
     elif isinstance(source, Path):
         found = read_garment(source)
+        if isinstance(found, Pattern):
+            found = on_the_floor(found, form.avatar.vertices)
     else:
         found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
@@ -121,12 +130,13 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     if isinstance(garment.seams, tuple) and not is_drawn:
         found = with_seams(found, garment.seams)
     if isinstance(source, Path) and not is_drawn:
-        check_twists(found)
         if not (form.place.is_own or form.place.turn):
             mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
             if _lies_in_the_room(mesh, form):
+                check_twists(found)
                 return replace(moved_in(mesh, form.place), notes=found.notes)
         found = moved_to_body(placed_by_seams(found, form), form)
+        check_twists(found)
         if not form.place.is_own:
             note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
             found = replace(found, notes=(*found.notes, note))

@@ -1,7 +1,7 @@
 """A scene with every choice made: presets looked up, names found, defaults filled in."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
@@ -39,6 +39,8 @@ class ResolvedGarment:
         As in `Garment`.
     seams
         A seams file, seams as texts, or None.
+    panel_fabrics
+        Fabric of panels that are of another, checked, by their names.
     """
 
     name: str
@@ -53,6 +55,7 @@ class ResolvedGarment:
     size: str | None = None
     allowance: float | None = None
     seams: Path | tuple[str, ...] | None = None
+    panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +118,7 @@ def resolve(scene: Scene) -> ResolvedScene:
     if no cloth is like a fabric.
     """
     cloth = [_fabric_of(garment, scene) for garment in scene.garments]
+    panel_cloth = [_panel_fabrics(garment, scene) for garment in scene.garments]
     sources = [checked_source(garment) for garment in scene.garments]
     quality = quality_preset(scene.quality)
     edge_length = scene.edge_length or quality.edge_length
@@ -126,9 +130,10 @@ def resolve(scene: Scene) -> ResolvedScene:
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
                 size=garment.size, allowance=garment.allowance, seams=_seams(garment),
+                panel_fabrics=panels,
             )
-            for garment, name, source, fabric in zip(
-                scene.garments, _unique_names(scene.garments), sources, cloth, strict=True
+            for garment, name, source, fabric, panels in zip(
+                scene.garments, _unique_names(scene.garments), sources, cloth, panel_cloth, strict=True
             )
         ),
         avatar=_avatar_source(scene.avatar),
@@ -141,7 +146,9 @@ def resolve(scene: Scene) -> ResolvedScene:
         sewing=_sewing(sizing, edge_length),
         gravity=scene.gravity,
         friction=scene.friction,
-        friction_between=_friction_between(scene.friction_between, cloth),
+        friction_between=_friction_between(
+            scene.friction_between, [*cloth, *(entry for panels in panel_cloth for entry in panels.values())]
+        ),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
         ground=scene.ground,
@@ -166,12 +173,25 @@ def _fabric_of(garment: Garment, scene: Scene) -> Fabric:
     choice = scene.fabric_of(garment)
     # A fabric that the scene has for all is no fault of one garment.
     with about(garment=None if garment.fabric is None else default_name(garment)):
-        if isinstance(choice, Fabric):
-            return checked_fabric(choice)
-        known = {**fabrics(), **scene.fabrics}
-        if choice not in known:
-            raise InputError(unknown_name("fabric", choice, known), field="fabric")
-        return checked_fabric(known[choice])
+        return _known_fabric(choice, scene, "fabric")
+
+
+def _panel_fabrics(garment: Garment, scene: Scene) -> dict[str, Fabric]:
+    """Return the fabrics of a garment's panels, checked; the panels are known once the garment is read."""
+    with about(garment=default_name(garment)):
+        return {
+            panel: _known_fabric(choice, scene, "panel_fabrics")
+            for panel, choice in garment.panel_fabrics.items()
+        }
+
+
+def _known_fabric(choice: str | Fabric, scene: Scene, field: str) -> Fabric:
+    if isinstance(choice, Fabric):
+        return checked_fabric(choice)
+    known = {**fabrics(), **scene.fabrics}
+    if choice not in known:
+        raise InputError(unknown_name("fabric", choice, known), field=field)
+    return checked_fabric(known[choice])
 
 
 def _unique_names(garments: Sequence[Garment]) -> list[str]:

@@ -94,7 +94,8 @@ class Garment:
     ----------
     source
         Name of a built-in pattern ("tshirt", "circle_skirt", "trousers") or of a registered draft, path of a
-        GarmentCode specification (.json), of a DXF-AAMA, ASTM (.dxf) or FreeSewing (.svg) pattern, of a 3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or
+        GarmentCode specification (.json), of a DXF-AAMA or ASTM (.dxf) or a FreeSewing pattern (.svg), of a
+        3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or
         .npz as `read_npz_garment` says) or of a file with a registered reader, or a finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
@@ -108,16 +109,18 @@ class Garment:
     warp_angle
         Turn of the warp direction in the pattern plane, counter-clockwise seen from the right side
         [degrees]: one number for all panels, or panel name to number.
+    panel_fabrics
+        Preset name or Fabric of panels that are of another than the garment, by their names.
     units, up
-        Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them. `units`
-        may also be those of a DXF pattern that does not say them.
+        Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
+        `units` may also be those of a DXF pattern that does not say them.
     walls
         How many layers of cloth the two walls of a mesh with thickness are: 1, of that thickness, or 2.
     size, allowance
         Which size of a DXF pattern, and the seam allowance [m] of outlines without a sew line.
     seams
-        Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts, such
-        as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
+        Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
+        such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
     """
 
     source: str | Path | GarmentMesh
@@ -133,6 +136,7 @@ class Garment:
     size: str | None = None
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
+    panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raise InputError if `walls` is not 1 or 2."""

@@ -111,10 +111,12 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "garment": {
         "source": (
             str,
-            "built-in name, GarmentCode .json, DXF or FreeSewing .svg pattern, or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
+            "built-in name, GarmentCode .json, DXF or FreeSewing .svg pattern, "
+            "or mesh: .obj .ply .glb .npz .vtu .vtk .xdmf .inp .msh",
         ),
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
+        "panel_fabrics": (dict, 'fabric of panels that are of another: { collar = "denim-12oz" }'),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
@@ -337,6 +339,10 @@ class _SceneReader:
             raise self._error(place, "a [[garment]] needs a source: a built-in name or a file")
         if "fabric" in values:
             self._check_fabric_name(values["fabric"], own, (*place, "fabric"))
+        for panel, fabric in values.get("panel_fabrics", {}).items():
+            if not isinstance(fabric, str):
+                raise self._error((*place, "panel_fabrics"), f"{panel}: a fabric is a name, got {fabric!r}")
+            self._check_fabric_name(fabric, own, (*place, "panel_fabrics"))
         for pin in values.get("pins", []):
             if isinstance(pin, bool) or not isinstance(pin, str | int):
                 raise self._error((*place, "pins"), f"pins are edge labels or vertex numbers, got {pin!r}")
@@ -359,6 +365,7 @@ class _SceneReader:
             walls=values.get("walls", 1),
             size=values.get("size"),
             allowance=values.get("allowance"),
+            panel_fabrics=values.get("panel_fabrics", {}),
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
         )
 

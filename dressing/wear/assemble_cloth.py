@@ -23,7 +23,9 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
     """
     offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
     seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
-    fabrics = tuple(dict.fromkeys(fabric for _, fabric in garments))
+    fabrics = tuple(
+        dict.fromkeys(entry for mesh, fabric in garments for entry in (fabric, *mesh.panel_fabrics.values()))
+    )
     positions = np.concatenate([mesh.positions for mesh, _ in garments])
     count = len(positions)
     pinned = np.zeros(count, bool)
@@ -67,7 +69,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         ).astype(np.int32),
         rest_corners=np.concatenate([mesh.rest_corners for mesh, _ in garments]),
         fabrics=fabrics,
-        fabric=per_face([fabrics.index(fabric) for _, fabric in garments], np.int32),
+        fabric=np.concatenate([_fabric_of_faces(mesh, fabric, fabrics) for mesh, fabric in garments]),
         garment=per_face(list(range(len(garments))), np.int32),
         panel=np.concatenate([mesh.panel for mesh, _ in garments]),
         uv=np.concatenate([mesh.uv for mesh, _ in garments]),
@@ -85,6 +87,12 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         goals=goals,
         handles=_handles(origin, led, [mesh for mesh, _ in garments]),
     )
+
+
+def _fabric_of_faces(mesh: GarmentMesh, fabric: Fabric, fabrics: tuple[Fabric, ...]) -> Int:
+    """Return the index of the fabric of every face of a garment: its panel's, or the garment's."""
+    of_panel = [fabrics.index(mesh.panel_fabrics.get(name, fabric)) for name in mesh.panel_names]
+    return np.array(of_panel, np.int32)[mesh.panel]
 
 
 def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion | None:

@@ -89,7 +89,7 @@ def drape(
     watch = Watch(form.avatar.vertices, [mesh for mesh, _ in worn], form.place)
     run = Drape(
         worn_together([part.cloth for part in parts]), (form.avatar.vertices, form.avatar.faces), [],
-        _plan(options, [fabric for _, fabric in worn]), reel.showing(watch),
+        _plan(options, _all_fabrics(worn)), reel.showing(watch),
     )  # fmt: skip
     failure = next((part.failure for part in parts if part.failure is not None), None)
     run.record.cancelled = parts[-1].status == "cancelled"
@@ -177,9 +177,7 @@ def _put_on(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
     watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
-    run = Drape(
-        cloth, obstacle, growth, _plan(options, [fabric for _, fabric in garments]), reel.showing(watch)
-    )
+    run = Drape(cloth, obstacle, growth, _plan(options, _all_fabrics(garments)), reel.showing(watch))
     return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch, form.place)
 
 
@@ -200,6 +198,11 @@ def _broken_down(run: Drape, phases: Callable[[], object], watch: Watch) -> Fail
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
     return None
+
+
+def _all_fabrics(garments: list[tuple[GarmentMesh, Fabric]]) -> list[Fabric]:
+    """Return the fabrics of garments and of their panels."""
+    return [entry for mesh, fabric in garments for entry in (fabric, *mesh.panel_fabrics.values())]
 
 
 def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:

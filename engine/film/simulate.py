@@ -213,7 +213,7 @@ class Simulation(ClothRun):
         )  # fmt: skip
 
     def _avatar_at(self, seconds: float) -> Float | None:
-        """Where the part of the avatar near cloth goes at a time [m], shape (k, 3); None if it stands still."""
+        """Where the avatar near cloth is at a time [m], shape (k, 3); None if it stands still."""
         if self.path is None or self.skin is None:
             return None
         now = self.clock.now()

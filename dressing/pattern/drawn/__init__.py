@@ -1,1 +1,1 @@
-"""Patterns as they are drawn, without seams: pieces, halves on the fold, pairs, notches; DXF and FreeSewing."""
+"""Patterns as they are drawn, without seams: pieces, folds, pairs, notches; DXF and FreeSewing."""

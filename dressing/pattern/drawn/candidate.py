@@ -16,7 +16,7 @@ EdgeKey = tuple[str, int]
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A drawn edge walked along its drawn loop (way 1) or against it (-1), on the piece or its mirrored side."""
+    """A drawn edge walked along its drawn loop (way 1) or against it (-1), mirrored or not."""
 
     piece: Piece
     edge: int

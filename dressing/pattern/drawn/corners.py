@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from toile.dressing.pattern.drawn.piece import Notch
 from toile.dressing.pattern.pattern_outline import signed_area
@@ -22,7 +23,7 @@ ONE_NOTCH = 0.004
 
 
 def without_repeats(points: Float, *, closed: bool = True) -> Float:
-    """Return points without those that repeat the one before, nor the first at the end of a closed outline."""
+    """Return points without repeated ones, nor the first at the end of a closed outline."""
     kept = [points[0]]
     for point in points[1:]:
         if np.linalg.norm(point - kept[-1]) > SAME_POINT:
@@ -74,7 +75,7 @@ def nearest_on_edges(edges: Sequence[Float], point: Float) -> tuple[int, float, 
 
 
 def _ahead(edges: Sequence[Float], point: Float, direction: Float) -> tuple[int, float, float] | None:
-    """Return the edge that a ray meets first, how far along it, and how far ahead [m]; None if none is near."""
+    """Return the edge that a ray meets first, how far along it and how far ahead [m], or None."""
     best: tuple[int, float, float] | None = None
     ray = direction / max(float(np.linalg.norm(direction)), 1e-300)
     for number, edge in enumerate(edges):
@@ -130,7 +131,7 @@ def _turn(outline: Float, index: int) -> float:
 
 
 def _arm(outline: Float, index: int, step: int) -> Float:
-    """Return the way from a point to the first one that is REACH away, or to its neighbour if that is farther."""
+    """Return the way from a point to the first one that is REACH away."""
     for away in range(1, len(outline)):
         arm = outline[(index + step * away) % len(outline)] - outline[index]
         if np.linalg.norm(arm) >= REACH:
@@ -138,13 +139,13 @@ def _arm(outline: Float, index: int, step: int) -> Float:
     return np.asarray(arm)
 
 
-def _sharpest(outline: Float, corners: Float, sharpness: Float) -> Float:
+def _sharpest(outline: Float, corners: NDArray[np.intp], sharpness: Float) -> NDArray[np.intp]:
     """Of corners closer than REACH to each other, keep the sharpest."""
     kept: list[int] = []
     for corner in sorted(corners.tolist(), key=lambda c: -sharpness[c]):
         if all(np.linalg.norm(outline[corner] - outline[other]) > REACH for other in kept):
             kept.append(corner)
-    return np.array(sorted(kept), dtype=np.int64)
+    return np.array(sorted(kept), dtype=np.intp)
 
 
 def projected_notches(
@@ -156,8 +157,8 @@ def projected_notches(
 ) -> tuple[Notch, ...]:
     """Return marks as notches of edges, those on corners and repeated ones left out.
 
-    `back` says which are marks of a back; `inwards` is where a mark points, along which it is projected if an edge
-    lies there, else to the nearest.
+    `back` says which are marks of a back; `inwards` is where a mark points, along which it is projected if an
+    edge lies there, else to the nearest.
     """
     found: list[Notch] = []
     for index, mark in enumerate(marks):
@@ -185,6 +186,7 @@ def projected_notches(
 
 
 def distance_to_line(line: Float, point: Float) -> float:
+    """Return how far a point is from a line through two points [m]."""
     along = line[1] - line[0]
     cross = along[0] * (point - line[0])[1] - along[1] * (point - line[0])[0]
     return float(abs(cross) / np.linalg.norm(along))

@@ -1,4 +1,4 @@
-"""Pieces as a picture: edges with numbers and lengths, seams in colours, folds, notches, grain, open questions."""
+"""Pieces as a picture: edges with numbers and lengths, seams in colours, folds, notches, grain."""
 
 from collections.abc import Sequence
 from html import escape
@@ -108,20 +108,20 @@ def _piece(piece: Piece, shift: Float, seams: dict[EdgeKey, int]) -> str:
         inwards = centre - middle
         label = middle + 1.3 * TEXT * inwards / max(float(np.linalg.norm(inwards)), 1e-9)
         words = "fold" if number == piece.fold else f"{100 * piece.length(number):.1f} cm"
-        found.append(_text(*label, f"{number}: {words}", colour, 0.8 * TEXT, "middle"))
+        found.append(_text(label[0], label[1], f"{number}: {words}", colour, 0.8 * TEXT, "middle"))
     for line in (*piece.lines, *piece.holes):
         found.append(f'<path d="{_d(at(line))}" fill="none" stroke="#999" stroke-width="1"/>')
     for notch in piece.notches:
+        fill = "#222" if notch.back else "none"
         x, y = at(_along(piece.edges[notch.edge], notch.along)[None])[0]
-        found.append(
-            f'<circle cx="{x:.2f}" cy="{y:.2f}" r="3" fill="{"#222" if notch.back else "none"}" stroke="#222"/>'
-        )
+        found.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="3" fill="{fill}" stroke="#222"/>')
     warp = np.radians(piece.warp_degrees)
     arm = 30.0 * np.array([-np.sin(warp), -np.cos(warp)])
-    ends = np.array([centre - arm, centre + arm]) + [0.0, 3 * TEXT]
+    low = centre + np.array([0.0, 3 * TEXT])
+    ends = np.array([low - arm, low + arm])
     found.append(f'<path d="{_d(ends)}" fill="none" stroke="#888" stroke-width="1.5"/>')
     how = " (on the fold)" if piece.fold is not None else " (pair)" if piece.pair else ""
-    found.append(_text(*centre, piece.name + how, UNSEWN, TEXT, "middle"))
+    found.append(_text(centre[0], centre[1], piece.name + how, UNSEWN, TEXT, "middle"))
     return "\n".join(found)
 
 

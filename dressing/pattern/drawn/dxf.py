@@ -66,7 +66,8 @@ def read_dxf_pattern(
         ]
         if not blocks:
             raise InputError(
-                f"{path.name}: no pattern pieces (blocks with an outline on layer 1); export it as DXF-AAMA or ASTM"
+                f"{path.name}: no pattern pieces (blocks with an outline on layer 1); "
+                "export it as DXF-AAMA or ASTM"
             )
         metres = _metres(path.name, drawing, units)
         chosen, notes = _of_size(path.name, drawing, blocks, size)
@@ -256,13 +257,13 @@ def _loop(
             raise _open(where, edges[-1][-1], float(gap))
         following = left.pop(index)
         edges.append(following[::-1] if turn else following)
-    gap = float(np.linalg.norm(edges[0][0] - edges[-1][-1]))
-    if gap > GAP:
+    rest = float(np.linalg.norm(edges[0][0] - edges[-1][-1]))
+    if rest > GAP:
         if (
             mirror is None
             or max(distance_to_line(mirror, edges[0][0]), distance_to_line(mirror, edges[-1][-1])) > 2e-3
         ):
-            raise _open(where, edges[-1][-1], gap)
+            raise _open(where, edges[-1][-1], rest)
         edges.append(np.array([edges[-1][-1], edges[0][0]]))
     ends = [edge[0] for edge in edges]
     for number, edge in enumerate(edges):
@@ -275,8 +276,8 @@ def _loop(
 
 def _open(where: str, end: Float, gap: float) -> InputError:
     return InputError(
-        f"{where} has an open outline: {1e3 * gap:.3g} mm are missing at ({1e3 * end[0]:.1f}, {1e3 * end[1]:.1f}) mm; "
-        "close it and export it again"
+        f"{where} has an open outline: {1e3 * gap:.3g} mm are missing at "
+        f"({1e3 * end[0]:.1f}, {1e3 * end[1]:.1f}) mm; close it and export it again"
     )
 
 

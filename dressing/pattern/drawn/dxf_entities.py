@@ -14,7 +14,7 @@ SKIPPED_BLOCKS = ("*", "$")
 
 @dataclass(frozen=True)
 class Entity:
-    """One entity: kind, layer, points in file units, text, whether it is closed, its angle [degrees] if it has one."""
+    """One entity: kind, layer, points in file units, text, whether it is closed, its angle [degrees]."""
 
     kind: str
     layer: str
@@ -94,8 +94,8 @@ def _entities(path: Path, lines: list[str]) -> tuple[list[_Raw], dict[str, str]]
             code = int(lines[number])
         except ValueError:
             raise InputError(
-                f"{path.name}, line {number + 1}: '{lines[number][:30]}' is no group code; this is not a text "
-                "DXF file, export it again",
+                f"{path.name}, line {number + 1}: '{lines[number][:30]}' is no group code; this is not a "
+                "text DXF file, export it again",
                 file=path,
             ) from None
         value = lines[number + 1]

@@ -1,4 +1,4 @@
-"""A piece of a pattern as it is drawn: half where it is cut on the fold, once where it is cut as a mirrored pair."""
+"""A piece of a pattern as it is drawn: half if it is cut on the fold, once if it is cut as a pair."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -14,7 +14,7 @@ MIRRORED = "~"
 
 
 class Notch(NamedTuple):
-    """A mark that seams match: its edge, its distance from the edge's start [m], and whether it means the back."""
+    """A mark that seams match: its edge, its distance from the edge's start [m], whether it is a back's."""
 
     edge: int
     along: float
@@ -78,7 +78,7 @@ class Piece:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnPattern:
-    """Pieces of one garment, and the seams that are known: of pieces as drawn, or of mirrored ones (`MIRRORED`).
+    """Pieces of one garment, and the seams that are known, of pieces as drawn or mirrored (`MIRRORED`).
 
     `seams` is None while nobody has said what is sewn.
     """

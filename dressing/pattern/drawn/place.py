@@ -1,7 +1,7 @@
-"""Panels of drawn pieces placed around a body: front and back flat, sleeves and bands rolled around what they dress.
+"""Panels of drawn pieces placed around a body: front and back flat, sleeves and bands rolled.
 
-Where a piece goes is told, or read from words such as FRONT or SLEEVE; which way up follows from its grain and
-from its longest edge that is not sewn, the hem. A sleeve goes to the arm whose armhole it is sewn to.
+Where a piece goes is told, or read from words such as FRONT or SLEEVE; which way up follows from its grain
+and from its longest edge that is not sewn, the hem. A sleeve goes to the arm whose armhole it is sewn to.
 """
 
 import math
@@ -63,8 +63,8 @@ def placed_pattern(
     unknown = next((name for name, place in told.items() if place is None), None)
     if unknown is not None:
         raise InputError(
-            f"{drawn.name}: nothing says where piece '{unknown}' goes on the body; add [piece.{unknown}] with "
-            'place = "front", "back", "sleeve", "waistband" or "collar" to the seams file',
+            f"{drawn.name}: nothing says where piece '{unknown}' goes on the body; add [piece.{unknown}] "
+            'with place = "front", "back", "sleeve", "waistband" or "collar" to the seams file',
             field=f"piece.{unknown}.place",
         )
     all_words = " ".join([drawn.name, *(piece.words for piece in drawn.pieces)])
@@ -104,7 +104,7 @@ def _polygon(panel: Panel) -> Float:
 
 
 def _upright(panel: Panel, pattern: Pattern, place: Place) -> Panel:
-    """Return the panel turned so that its hem is below, or a band along x, centred in x and its top at y = 0."""
+    """Return the panel with its hem below, or a band along x, centred in x and its top at y = 0."""
     sewn = {(p.panel, p.edge) for seam in pattern.seams for p in (*seam.a, *seam.b)}
     polygon = _polygon(panel)
     if place in ("waistband", "collar"):
@@ -212,7 +212,8 @@ def _side_of(panel: Panel, pattern: Pattern, placed: Mapping[str, Panel]) -> flo
                     total += partner.translation[0] + (x if partner.rotation_degrees[1] == 0.0 else -x)
     if total == 0.0:
         raise InputError(
-            f"{pattern.name}: sleeve '{panel.name}' is sewn to neither front nor back; add its seam to the seams file",
+            f"{pattern.name}: sleeve '{panel.name}' is sewn to neither front nor back; "
+            "add its seam to the seams file",
             field="seams",
         )
     return math.copysign(1.0, total)

@@ -21,7 +21,7 @@ SHOWN_QUESTIONS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnOptions:
-    """How a drawn pattern is read: its size, units and seam allowance [m], and its seams file or seams as texts."""
+    """How a drawn pattern is read: size, units, seam allowance [m], and its seams file or seams as texts."""
 
     size: str | None = None
     units: str | None = None
@@ -30,7 +30,7 @@ class DrawnOptions:
 
 
 def read_drawn(path: Path, options: DrawnOptions) -> DrawnPattern:
-    """Return the pieces of a file. Raises InputError naming what is wrong in it, or an option it does not take."""
+    """Return the pieces of a file. Raises InputError naming what is wrong, or an option it does not take."""
     if path.suffix.lower() == ".dxf":
         return read_dxf_pattern(path, size=options.size, units=options.units, allowance=options.allowance)
     for field in ("size", "units", "allowance"):
@@ -42,7 +42,7 @@ def read_drawn(path: Path, options: DrawnOptions) -> DrawnPattern:
 
 
 def told(path: Path, options: DrawnOptions) -> Told:
-    """Return the pieces of a file with what a seams file says: the one given, or the one beside the pattern."""
+    """Return the pieces of a file with what a seams file says: the one given, or the one beside it."""
     drawn = read_drawn(path, options)
     file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
     said = Told(drawn, {})

@@ -5,7 +5,8 @@
     [piece.front]
     fold = 5
 
-A name with `~` is the mirrored half or the mirrored twin of a piece; seams of one side are sewn on the other too.
+A name with `~` is the mirrored half or the mirrored twin of a piece; seams of one side are sewn on the other
+too.
 """
 
 import tomllib
@@ -43,7 +44,7 @@ def seams_file_of(pattern: Path) -> Path:
 
 
 def apply_seams_file(drawn: DrawnPattern, path: Path) -> Told:
-    """Return the pattern with what a seams file adds. Raises InputError naming file and line of what is wrong."""
+    """Return the pattern with what a seams file adds. Raises InputError naming file and line."""
     try:
         text = path.read_text(encoding="utf-8-sig")
         data = tomllib.loads(text)
@@ -64,7 +65,8 @@ def apply_seams_file(drawn: DrawnPattern, path: Path) -> Told:
     if data.get("open"):
         raise wrong(
             ("open",),
-            f"{data['open']} questions about seams are open; answer them in the file and remove the line 'open'",
+            f"{data['open']} questions about seams are open; answer them in the file and "
+            "remove the line 'open'",
         )
     worn = data.get("worn")
     if worn is not None and worn not in get_args(Worn):
@@ -116,7 +118,7 @@ def _told(piece: Piece, values: dict[str, Any], wrong: Any) -> Piece:
 def seams_toml(drawn: DrawnPattern, seams: Sequence[Seam], open_questions: Sequence[str]) -> str:
     """Return the text of a seams file: the seams that are sure, and what is open as comments."""
     lines = [
-        f"# What is sewn in {drawn.name}. PIECE.NUMBER is an edge; PIECE~ is the mirrored half or twin of a piece.",
+        f"# What is sewn in {drawn.name}. PIECE.NUMBER is an edge; PIECE~ is its mirrored half or twin.",
         "# What stands left of '=' is walked with the loop, right of it against; '-' turns an edge around.",
         "# Numbers are in the picture beside this file. A seam of one side is sewn on the other side too.",
         "",

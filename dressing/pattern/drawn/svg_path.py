@@ -1,6 +1,7 @@
 """Paths of SVG as points."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "Q": 4, "Z": 0}
 
 
 def flat_path(d: str, where: str) -> Float:
-    """Return the points of a path, curves as points spaced evenly in length, shape (n, 2); further subpaths are left out.
+    """Return the points of the first subpath of a path, curves spaced evenly in length, shape (n, 2).
 
     Raises InputError, beginning with `where`, for commands other than M, L, H, V, C, Q and Z.
     """
@@ -59,7 +60,7 @@ def _go(points: list[Float], kind: str, numbers: list[float], here: Float, *, re
     t = np.linspace(0.0, 1.0, 8 * CURVE_SEGMENTS + 1)[:, None]
     level = [np.broadcast_to(point, (len(t), 2)) for point in control]
     while len(level) > 1:
-        level = [(1.0 - t) * a + t * b for a, b in zip(level, level[1:], strict=False)]
+        level = [(1.0 - t) * a + t * b for a, b in pairwise(level)]
     walked = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(level[0], axis=0), axis=1))])
     if walked[-1] == 0.0:
         return

@@ -1,4 +1,4 @@
-"""Drawn pieces as the panels that are cut from them: halves unfolded, mirrored twins added, seams of both sides."""
+"""Drawn pieces as the panels that are cut from them: halves unfolded, twins added, seams of both sides."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -83,7 +83,7 @@ def panels_of(piece: Piece) -> list[Panel]:
 
 
 def _fold_frame(piece: Piece) -> tuple[Float, Float, float]:
-    """Return the turn and the origin that bring the fold onto x = 0 and the cloth to x > 0, and the turn's angle.
+    """Return the turn and the origin that bring the fold onto x = 0 and the cloth to x > 0, and the angle.
 
     The loop runs counter-clockwise, so along the fold it runs down where the cloth is on its right-hand side.
     """
@@ -121,14 +121,16 @@ def panel_edge(piece: Piece, edge: int, *, mirrored: bool = False) -> tuple[str,
 
 
 def _add(seams: list[Seam], seam: Seam) -> None:
-    """Add a seam unless its edges are sewn to each other already, as a seam of a piece to its own mirror is."""
+    """Add a seam unless its edges are sewn already, as those of a piece to its own mirror are."""
     if _stretches(seam) not in [_stretches(other) for other in seams]:
         seams.append(seam)
 
 
 def _stretches(seam: Seam) -> set[frozenset[tuple[str, int, float, float]]]:
     return {
-        frozenset((p.panel, p.edge, *sorted((round(p.start, 9), round(p.end, 9)))) for p in run)
+        frozenset(
+            (p.panel, p.edge, round(min(p.start, p.end), 9), round(max(p.start, p.end), 9)) for p in run
+        )
         for run in (seam.a, seam.b)
     }
 

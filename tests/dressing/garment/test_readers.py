@@ -22,13 +22,13 @@ def read(path: Path) -> toile.Pattern:
 
 
 def test_a_registered_extension_is_a_source(tmp_path: Path) -> None:
-    file = tmp_path / "apron.DXF"
+    file = tmp_path / "apron.PDS"
     file.write_text("0")
-    with pytest.raises(toile.InputError, match=r"unknown garment format '\.DXF'; use \.json, \.obj"):
+    with pytest.raises(toile.InputError, match=r"unknown garment format '\.PDS'; use \.json, \.dxf"):
         checked_source(toile.Garment(file))
 
-    toile.register_reader(".dxf", read)
-    toile.register_reader(".DXF", read)
+    toile.register_reader(".pds", read)
+    toile.register_reader(".PDS", read)
 
     checked_source(toile.Garment(file))
     assert readers.read_garment(file) == square(BODY)

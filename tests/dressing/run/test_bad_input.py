@@ -112,7 +112,7 @@ def test_missing_file(arguments: list[str], message: str, refused: Refused) -> N
 def test_unknown_extension(refused: Refused) -> None:
     for name in ("a.docx", "a.fbx", "plain"):
         Path(name).write_text("x")
-    assert "a.docx: unknown garment format '.docx'; use .json, .obj" in refused("--garment", "a.docx")
+    assert "a.docx: unknown garment format '.docx'; use .json, .dxf" in refused("--garment", "a.docx")
     error = refused("--garment", Path("plain").absolute())
     assert "plain: unknown garment format '(no extension)'; use" in error
     error = refused("--garment", "tube.obj", "--avatar", "a.fbx")

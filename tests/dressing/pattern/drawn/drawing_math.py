@@ -2,6 +2,7 @@
 
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -65,18 +66,20 @@ def _spline(
 
 
 def _line(*points: tuple[float, float]) -> list[Float]:
-    return [np.array([a, b]) for a, b in zip(points, points[1:], strict=False)]
+    return [np.array([a, b]) for a, b in pairwise(points)]
 
 
 OWN_TEE: dict[str, list[Float]] = {
     "FRONT": [
         _spline((0, 9), (8, 0), (0, 260), (4.5, 4.5)), *_line((8, 0), (20, 4)),
-        _spline((20, 4), (18.5, 14), (250, 80), (3.5, 3.5)), _spline((18.5, 14), (25, 23), (280, 180), (4, 4)),
+        _spline((20, 4), (18.5, 14), (250, 80), (3.5, 3.5)),
+        _spline((18.5, 14), (25, 23), (280, 180), (4, 4)),
         *_line((25, 23), (25, 60), (0, 60), (0, 9)),
     ],
     "BACK": [
         _spline((40, 2.5), (48, 0), (0, 215), (4.5, 2)), *_line((48, 0), (60, 4)),
-        _spline((60, 4), (59.2, 14), (255, 85), (3.5, 3.5)), _spline((59.2, 14), (65, 23), (275, 180), (4, 3.6)),
+        _spline((60, 4), (59.2, 14), (255, 85), (3.5, 3.5)),
+        _spline((59.2, 14), (65, 23), (275, 180), (4, 3.6)),
         *_line((65, 23), (65, 60), (40, 60), (40, 2.5)),
     ],
     "SLEEVE": [
