@@ -30,16 +30,19 @@ def resident() -> float:
     return float(line.split()[1])
 
 
-def film_memory(frames: int, say: Callable[[str], None], edge_length: float | None = None) -> float:
-    """Make a film of so many frames; return how much resident memory grows per frame [kB].
+def film_memory(
+    frames: int, say: Callable[[str], None], edge_length: float | None = None,
+    measure: Callable[[], float] = resident,
+) -> float:  # fmt: skip
+    """Make a film of so many frames; return how much memory grows per frame [kB].
 
-    `edge_length` [m] gives a mesh of one size instead of an adaptive one.
+    `edge_length` [m] gives a mesh of one size instead of an adaptive one; `measure` tells the memory [kB].
     """
     held: list[float] = []
 
     def record(index: int, _: object) -> None:
         gc.collect()
-        held.append(resident())
+        held.append(measure())
         if index % EVERY == 0:
             say(f"memory: frame {index} of {frames}, {1e-3 * held[-1]:.0f} MB")
 
