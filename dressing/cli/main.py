@@ -268,7 +268,7 @@ def _scene_of(options: argparse.Namespace) -> "Scene":
             "max_frames",
             "formats",
             "ground",
-        )  # fmt: skip
+        )
         if (value := getattr(options, name)) is not None
     }
     reading = reading_of(options)

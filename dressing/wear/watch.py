@@ -118,8 +118,8 @@ class Watch:
         x, y, z = self._place.outward(cloth.positions[cloth.face_nodes[there]].mean(axis=(0, 1)))
         return Failure(
             kind="overstretched",
-            message=f"the cloth has grown to {ratio:.3g} times what was cut; the garment is too small for this "
-            "body, does not lie around it, or is no cloth there",
+            message=f"the cloth has grown to {ratio:.3g} times what was cut; the garment is too small for "
+            "this body, does not lie around it, or is no cloth there",
             where=f"garment {self._garments[index].name}: {self._garments[index].panel_names[panel]}, near "
             f"({x:.2f}, {y:.2f}, {z:.2f}) m, {when}",
         )
