@@ -1,4 +1,4 @@
-"""A T-shirt from DXF-AAMA, with a table of six lines for what the file does not say, hangs on the mannequin."""
+"""A T-shirt from DXF-AAMA, with six lines for what the file does not say, hangs on the mannequin."""
 
 from pathlib import Path
 
