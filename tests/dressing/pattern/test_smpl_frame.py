@@ -45,3 +45,12 @@ def test_patterns_of_garmentcode_stay(data_dir: Path) -> None:
     for path in sorted((data_dir / "patterns").glob("*_specification.json")):
         pattern = read_garmentcode(path)
         assert on_the_floor(pattern, STANDING) is pattern, path.name
+
+
+def test_the_shirt_of_pygarment_is_read_and_stays() -> None:
+    pattern = read_garmentcode(
+        Path(__file__).parent / "drawn" / "samples" / "pygarment202_t-shirt_specification.json"
+    )
+    assert (len(pattern.panels), len(pattern.stitches)) == (8, 16)
+    assert not pattern.notes
+    assert on_the_floor(pattern, STANDING) is pattern
