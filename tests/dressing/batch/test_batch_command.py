@@ -37,14 +37,16 @@ def contents(folder: Path) -> dict[str, str]:
 
 
 def shapes(folder: Path) -> None:
-    """Write a body without limbs and a tube around it [m]."""
+    """Write a body without limbs and a tube around it [m], too narrow above to slip off."""
     ball = trimesh.creation.icosphere(subdivisions=3)
     ball.apply_scale((0.20, 0.85, 0.12))
     ball.apply_translation((0.0, 0.85, 0.0))
     ball.export(folder / "body.obj", include_normals=False)
     turns = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-    circle = [(0.26 * np.cos(turn), 0.26 * np.sin(turn)) for turn in turns]
-    rings = [(x, level, z) for level in np.linspace(0.8, 1.2, 9) for x, z in circle]
+    rings = [
+        ((0.26 - 0.07 * up) * np.cos(turn), 0.8 + 0.4 * up, (0.26 - 0.14 * up) * np.sin(turn))
+        for up in np.linspace(0.0, 1.0, 9) for turn in turns
+    ]  # fmt: skip
     quads = [(24 * row + k, 24 * row + (k + 1) % 24) for row in range(8) for k in range(24)]
     faces = [face for a, b in quads for face in ((a, a + 24, b), (b, a + 24, b + 24))]
     trimesh.Trimesh(rings, faces, process=False).export(folder / "tube.obj", include_normals=False)
@@ -55,7 +57,7 @@ QUICK = ("--quality", "preview", "--max-frames", 6)
 
 @pytest.fixture(scope="module")
 def jobs_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A tube in two ways, two frames long, and files that cannot be read."""
+    """A tube in two ways, a few frames long, and files that cannot be read."""
     folder = tmp_path_factory.mktemp("jobs")
     shapes(folder)
     (folder / "text.ply").write_text("this is no mesh\n")
@@ -87,7 +89,7 @@ def test_good_jobs_are_dressed_and_bad_ones_say_why(finished: Path) -> None:
     assert "nowhere.obj: avatar file not found" in table["gone"]["message"]
     assert "empty.obj: the file is empty" in table["empty"]["message"]
     for name in ("plain", "stiff"):
-        assert (table[name]["state"], table[name]["status"]) == ("done", "frame_limit")
+        assert table[name]["state"] == "done" and table[name]["status"] in ("frame_limit", "converged")
         assert table[name]["nodes"] > 20 and table[name]["avatar_intersections"] == 0
         assert table[name]["peak_memory"] > 1e8 and table[name]["cpu_seconds"] > 0.1
         assert len(json.loads(table[name]["inputs"])) == 2
