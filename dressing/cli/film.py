@@ -82,7 +82,8 @@ def run_film(options: argparse.Namespace) -> int:
                     shown[film.name] = rows, film_bars(rows, ratio)
                     keep()
         finally:
-            print(film_table(*keep()), flush=True)
+            if shown:
+                print(film_table(*keep()), flush=True)
     return DONE if all(bar.met for bar in keep()[1]) else MISSED
 
 
