@@ -82,7 +82,9 @@ def _end_distances(pattern: Pattern, stitch: Stitch) -> tuple[float, float, floa
         edge = panel.edges[number]
         ends.append(to_world(panel, np.array([panel.vertices[edge.start], panel.vertices[edge.end]])))
     first, second = ends
-    straight = float(np.linalg.norm(first - second, axis=1).sum())
-    turned = float(np.linalg.norm(first - second[::-1], axis=1).sum())
+    # Panels that lie beyond all reason are named where their places are checked.
+    with np.errstate(over="ignore"):
+        straight = float(np.linalg.norm(first - second, axis=1).sum())
+        turned = float(np.linalg.norm(first - second[::-1], axis=1).sum())
     length = min(float(np.linalg.norm(end[1] - end[0])) for end in ends)
     return (straight, turned, length) if stitch.right_wrong else (turned, straight, length)
