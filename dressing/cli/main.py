@@ -17,7 +17,6 @@ from toile.dressing.cli.parser import (
     FAILED,
     FELL_OFF,
     OVERSTRETCHED,
-    READING,
     Commands,
     Parser,
     add_reading,
@@ -25,12 +24,12 @@ from toile.dressing.cli.parser import (
     reading_of,
 )
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
+from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
     from toile.dressing.run.progress import ProgressState
-    from toile.dressing.run.scene import Scene
 
 FAILURE_EXIT_CODES = {"fell_off": FELL_OFF, "overstretched": OVERSTRETCHED}
 """Exit codes of failures with one of their own; all others have that of a failed simulation."""
@@ -216,7 +215,7 @@ def _run_dress(options: argparse.Namespace) -> int:
             "give an output folder with -o OUTDIR, or --resume OUTDIR to resume a run", field="--output"
         )
     folder = options.output or options.resume
-    scene = None if options.resume else _scene_of(options)
+    scene = None if options.resume else scene_of(options)
     say = None if options.quiet else _say
     printer = ProgressPrinter(sys.stderr, quiet=options.quiet)
     with CancelOnInterrupt() as interrupt:
@@ -247,63 +246,6 @@ def _run_dress(options: argparse.Namespace) -> int:
 def _say(text: str) -> None:
     """Print what the program noticed."""
     print(text, flush=True)
-
-
-def _scene_of(options: argparse.Namespace) -> "Scene":
-    """Return the scene of a file, of the options, or of a file with options that win over it."""
-    from dataclasses import replace
-
-    from toile.dressing.run.air import Air
-    from toile.dressing.run.scene import AvatarFile, Garment, Scene
-    from toile.dressing.run.scene_file import load_scene
-
-    given = {
-        name: value
-        for name in (
-            "measurements",
-            "fabric",
-            "quality",
-            "edge_length",
-            "remesh",
-            "max_frames",
-            "formats",
-            "ground",
-        )
-        if (value := getattr(options, name)) is not None
-    }
-    reading = reading_of(options)
-    if options.avatar is None and reading:
-        words = ", ".join(f"--{name}" for name in READING)
-        raise InputError(f"{words} describe the file of --avatar, which is missing", field="--avatar")
-    if options.avatar is not None:
-        given["avatar"] = AvatarFile(path=options.avatar, **reading)
-    garments = tuple(
-        Garment(
-            source, size=options.size, allowance=options.allowance, seams=options.seams,
-            units=options.pattern_units,
-        )
-        if Path(source).suffix.lower() in (".dxf", ".svg")
-        else Garment(source)
-        for source in options.garment
-    )  # fmt: skip
-    wind = None if options.wind is None else tuple(options.wind)
-    if options.scene is None:
-        if not garments:
-            raise InputError("nothing to dress: give --garment FILE|NAME or a scene file", field="--garment")
-        return Scene(garments=garments, air=None if wind is None else Air(velocity=wind), **given)
-    if options.scene.suffix.lower() != ".toml":
-        raise InputError(
-            f"{options.scene}: a scene file ends in .toml; garments are given with --garment",
-            file=options.scene,
-        )
-    scene = load_scene(options.scene)
-    if "fabric" in given:
-        given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
-    if garments:
-        given["garments"] = garments
-    if wind is not None:
-        given["air"] = replace(scene.air or Air(), velocity=wind)
-    return replace(scene, **given)
 
 
 def _summary(report: dict[str, object], folder: Path) -> str:

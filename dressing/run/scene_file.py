@@ -3,20 +3,14 @@
 A complete example::
 
     quality = "standard"
-    default_fabric = "cotton-poplin"
 
     [avatar]
     file = "body.obj"
-    units = "cm"
 
     [[garment]]
     source = "trousers"
     fabric = "my denim"
     pins = ["lower_interface"]
-
-    [[garment]]
-    source = "shirt_specification.json"
-    warp_angle = { left_sleeve = 90 }
 
     [fabric."my denim"]
     like = "denim-12oz"
