@@ -17,6 +17,7 @@ from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.bend import Bending, bending_tensor
 from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
+from toile.engine.forces.ground import Ground
 from toile.engine.forces.hold import Holds, SewingHolds
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
@@ -201,6 +202,12 @@ def wind() -> Case:
     return Case(Wind(cloth.face_nodes, len(start), air), start, shaken(start, 0.02, 1))
 
 
+def ground() -> Case:
+    """Nodes above and below the floor, none of them near it, that have slid in the step."""
+    start = np.array([(0.0, -0.01, 0.0), (0.1, -0.02, 0.0), (0.2, 0.03, 0.1), (0.3, 0.04, 0.0)])
+    return Case(Ground(0.01, np.array([1.0, 2.0, 1.5, 1.0]) * 1e-3), start, shaken(start, 1e-3))
+
+
 def untangling() -> Case:
     """Where it was found what crosses: from there on its springs stay what they are."""
     x, faces = pair(bump(0.012))
@@ -256,6 +263,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "goals": lambda: goal_pull(moving=False),
     "moving goals": lambda: goal_pull(moving=True),
     "wind": wind,
+    "ground": ground,
     "untangling": untangling,
     "collisions": collisions,
 }
