@@ -119,6 +119,11 @@ class ContactSearch:
         self._among_cloth.origin[:] = np.nan
         self._with_body.origin[:] = np.nan
 
+    def forget(self) -> None:
+        """Let go of all candidates; the next search finds them anew."""
+        self._of_body = self._of_cloth = unmeasured((NO_PAIRS, NO_PAIRS))
+        self.expire()
+
     def expire_body(self) -> None:
         """Make allowances against the avatar void: it has moved."""
         self._with_body.origin[:] = np.nan

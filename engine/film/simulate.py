@@ -283,6 +283,7 @@ class Simulation(ClothRun):
         record = self.record
         if self.path is not None and self.skin is not None and record.crossings:
             self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds, self._all))
+            self.stepper.forget()
             self.auditor = None
         crossings = self.audited_cloth()
         frame = FilmFrame(

@@ -209,6 +209,11 @@ class Collisions(NodalForce):
         self.anchor[self._count :] = vertices
         self.search.expire()
 
+    def forget(self) -> None:
+        """Let go of what was found: the next detection searches anew."""
+        self.search.forget()
+        self.found = None
+
     # What may pass, and what friction holds on to.
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> Untangling | None:

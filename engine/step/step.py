@@ -301,6 +301,11 @@ class ClothStepper:
         assert self.collisions is not None
         self.collisions.meet(avatar, roam)
 
+    def forget(self) -> None:
+        """Let go of what contact has found: where a frame ends, it only takes memory."""
+        if self.collisions is not None:
+            self.collisions.forget()
+
     def save(self) -> Saved:
         """Return what a step changes, so that it can be tried again."""
         collisions = self.collisions
