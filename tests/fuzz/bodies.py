@@ -1,0 +1,34 @@
+"""Measurements that users give: valid files, and a garment drafted to them."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from tests.fuzz.drawn import form
+from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.given_measurements import read_measurements
+from toile.dressing.garment.pattern_mesh import mesh_pattern
+from toile.dressing.pattern.drafts import built_in, built_in_names
+
+TABLE = """
+height = 168
+chest = 0.96
+waist = 80.0
+torso_depth = [-0.11, 0.12]
+arm_angle = 40
+
+shoulder_point = [17.4, 137, -2.0]
+"""
+JSON = '{"measurements": {"hip": 1.02, "neck": 36, "wrist": 16.5, "inseam": 76, "armpit_height": 124.5}}'
+
+
+def measurements() -> Iterable[tuple[str, bytes]]:
+    """A few of them in TOML and, as `toile measure` writes them, in JSON."""
+    return [(".toml", TABLE.encode()), (".json", JSON.encode())]
+
+
+def measured_body(path: Path) -> object:
+    """Give the mannequin measurements, and draft every built-in garment to them."""
+    given = read_measurements(path)
+    measured = DressForm(form().avatar, given).measurements
+    patterns = [built_in(name, measured) for name in built_in_names()]
+    return [mesh_pattern(pattern, edge_length=0.06, curve_edge_length=0.06) for pattern in patterns]
