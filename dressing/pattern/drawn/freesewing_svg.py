@@ -116,7 +116,7 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
         for key, name in e.attrib.items()
         if _tag(e) == "use" and key.endswith("href") and name in ("#notch", "#bnotch")
     ]
-    marks = [np.array([float(e.get("x", "0")), -float(e.get("y", "0"))]) * metres for e, _ in signs]
+    marks = [_place(where, e) * [metres, -metres] for e, _ in signs]
     return Piece(
         name=name,
         edges=edges,
@@ -127,6 +127,20 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
         words=name,
         lines=tuple(points for n, points in enumerate(fabric) if n != largest),
     )
+
+
+def _place(where: str, element: ElementTree.Element) -> Float:
+    """Return where a notch lies in the drawing, shape (2,)."""
+    try:
+        place = np.array([float(element.get("x", "0")), float(element.get("y", "0"))])
+    except ValueError:
+        place = np.full(2, np.nan)
+    if not np.isfinite(place).all():
+        raise InputError(
+            f"{where}: a notch lies at x={element.get('x')!r}, y={element.get('y')!r}, which are no numbers; "
+            "save the drawing again"
+        )
+    return place
 
 
 def _area(points: Float) -> float:
