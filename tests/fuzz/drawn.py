@@ -9,8 +9,8 @@ from toile.dressing.body.stored_mannequin import stored_mannequin
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.drawn.drawing import drawn_svg, pattern_svg
 from toile.dressing.pattern.drawn.freesewing_svg import read_freesewing_svg
-from toile.dressing.pattern.drawn.place import placed_pattern
 from toile.dressing.pattern.drawn.piece import DrawnPattern
+from toile.dressing.pattern.drawn.place import placed_pattern
 from toile.dressing.pattern.drawn.read_drawn import DrawnOptions, read_drawn, told_or_sure
 from toile.dressing.pattern.drawn.seams_file import apply_seams_file, seams_file_of
 from toile.dressing.pattern.drawn.suggest import suggest_seams
@@ -25,7 +25,8 @@ FRONT: list[Point] = [
 BACK: list[Point] = [*FRONT[:7], (40, 585), (0, 580)]
 SLEEVE: list[Point] = [(0, 0), (300, 0), (330, 160), (250, 240), (165, 290), (80, 240), (-30, 160)]
 SVG_SEAMS = """
-seams = ["front.1 = back~.1", "front.3 = back~.3", "sleeve.1 = sleeve.3", "sleeve.2 = front~.2[0.01:1] + back.2"]
+seams = ["front.1 = back~.1", "front.3 = back~.3", "sleeve.1 = sleeve.3",
+    "sleeve.2 = front~.2[0.01:1] + back.2"]
 worn = "top"
 
 [piece.front]
@@ -113,13 +114,12 @@ def svgs() -> Iterable[tuple[str, bytes]]:
     bent = '<path marker-start="url(#cutonfoldFrom)" d="M 0,-450 L 20,-450 L 20,-50 L 0,-50"/>'
     straight = '<path marker-start="url(#cutonfoldFrom)" d="M 0,-450 L 0,-50"/>'
     grain = '<path class="note" marker-start="url(#grainlineFrom)" d="M 150,-20 L 150,-240"/>'
-    notch, bnotch = ('<use xlink:href="#{}" x="{}" y="{}"/>'.format(name, "{}", "{}") for name in ("notch", "bnotch"))
     groups = "".join(
         f'<g id="fs-stack-tee.{name}-part-tee.{name}"><path class="fabric" d="{d}"/>{more}</g>'
         for name, d, more in [
-            ("front", front, straight + notch.format(190, -470)),
-            ("back", back, straight + bnotch.format(190, -470)),
-            ("sleeve", sleeve, grain + notch.format(265, -240) + bnotch.format(40, -240)),
+            ("front", front, straight + _sign("notch", 190, -470)),
+            ("back", back, straight + _sign("bnotch", 190, -470)),
+            ("sleeve", sleeve, grain + _sign("notch", 265, -240) + _sign("bnotch", 40, -240)),
         ]
     )
     text = (
@@ -128,6 +128,10 @@ def svgs() -> Iterable[tuple[str, bytes]]:
         'freesewing" freesewing="3.0" width="900mm" height="700mm" viewBox="0 0 900 700">\n<!-- tee -->'
     )
     return [(".svg", f"{text}{body}</svg>".encode()) for body in (groups, groups.replace(straight, bent))]
+
+
+def _sign(kind: str, x: int, y: int) -> str:
+    return f'<use xlink:href="#{kind}" x="{x}" y="{y}"/>'
 
 
 def seams() -> Iterable[tuple[str, bytes]]:

@@ -1,7 +1,7 @@
 """Garments that toile mends or places: exports with the usual faults, and patterns without places."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,9 +46,11 @@ def _tee(units: float, depth: float, height: float) -> dict[str, Any]:
         "front": panel(outline, 0.0, depth, 0.0), "back": panel(outline, 0.0, -depth, turn),
         "sleeve_l": panel(sleeve, 4 * depth, 0.0, 0.0), "sleeve_r": panel(sleeve, -4 * depth, 0.0, 0.0),
     }  # fmt: skip
-    sewn = [("front", 1, "back", 7), ("front", 7, "back", 1), ("front", 3, "back", 5), ("front", 5, "back", 3),
-            ("sleeve_l", 2, "front", 2), ("sleeve_l", 3, "back", 6), ("sleeve_r", 2, "front", 6),
-            ("sleeve_r", 3, "back", 2), ("sleeve_l", 1, "sleeve_l", 4), ("sleeve_r", 1, "sleeve_r", 4)]  # fmt: skip
+    sewn = [
+        ("front", 1, "back", 7), ("front", 7, "back", 1), ("front", 3, "back", 5), ("front", 5, "back", 3),
+        ("sleeve_l", 2, "front", 2), ("sleeve_l", 3, "back", 6), ("sleeve_r", 2, "front", 6),
+        ("sleeve_r", 3, "back", 2), ("sleeve_l", 1, "sleeve_l", 4), ("sleeve_r", 1, "sleeve_r", 4),
+    ]  # fmt: skip
     return {
         "pattern": {
             "panels": panels, "panel_order": list(panels),
@@ -87,7 +89,7 @@ def dirty_meshes() -> Iterable[tuple[str, bytes]]:
     yield ".obj", _obj(("tube", vertices, broken), ("button", button, button_faces))
 
 
-def _tube(radius: float, around: int = 16, rows: int = 3) -> tuple[Float, list[tuple[int, ...]]]:
+def _tube(radius: float, around: int = 16, rows: int = 3) -> tuple[Float, Sequence[tuple[int, ...]]]:
     """Return quads of a tube about the vertical axis."""
     angle = 2.0 * np.pi * np.arange(around) / around
     ring = np.column_stack([radius * np.sin(angle), np.zeros(around), radius * np.cos(angle)])
@@ -100,7 +102,7 @@ def _tube(radius: float, around: int = 16, rows: int = 3) -> tuple[Float, list[t
     return vertices, faces
 
 
-def _obj(*parts: tuple[str, Float, list[tuple[int, ...]]]) -> bytes:
+def _obj(*parts: tuple[str, Float, Sequence[tuple[int, ...]]]) -> bytes:
     """Return groups of an OBJ file."""
     lines, first = [], 1
     for name, vertices, faces in parts:

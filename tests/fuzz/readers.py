@@ -167,6 +167,11 @@ def gltfs() -> Iterable[tuple[str, bytes]]:
         ]
 
 
+def vrms() -> Iterable[tuple[str, bytes]]:
+    """The same bodies as avatars."""
+    return [(".vrm", data) for suffix, data in gltfs() if suffix == ".glb"]
+
+
 def npzs() -> Iterable[tuple[str, bytes]]:
     """A body that moves, one that stands still, and a garment."""
     shape = body()
@@ -234,7 +239,7 @@ READERS: dict[str, Reader] = {
     "obj": Reader(objs, MESH),
     "ply": Reader(plys, MESH),
     "glb": Reader(gltfs, (*MESH, moving_body)),
-    "vrm": Reader(lambda: [(".vrm", data) for suffix, data in gltfs() if suffix == ".glb"], (BODY, moving_body)),
+    "vrm": Reader(vrms, (BODY, moving_body)),
     "npz": Reader(npzs, (moving_body, MESH[1])),
     "vtu": Reader(vtus, MESH),
 }  # fmt: skip

@@ -67,7 +67,8 @@ def _root(path: Path) -> ElementTree.Element:
         return ElementTree.parse(path).getroot()
     except FileNotFoundError:
         raise InputError(f"{path}: no such pattern file; check the path") from None
-    except (ElementTree.ParseError, OSError, UnicodeDecodeError) as error:
+    except (ElementTree.ParseError, OSError, ValueError, LookupError) as error:
+        # Encodings that Python does not know, or that are none of texts, are a LookupError or a ValueError.
         raise InputError(f"{path.name}: not a valid SVG ({error}); save it again") from None
 
 
