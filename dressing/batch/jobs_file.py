@@ -1,12 +1,12 @@
 """Jobs from a file: a CSV table, or JSON objects one per line."""
 
 import csv
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from toile.dressing.batch.job import Job, job_name
+from toile.dressing.files.parse_text import parse_json
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.run.scene_file import SCENE_KEYS, scene_of_line
 from toile.geometry.errors import InputError
@@ -118,7 +118,7 @@ class JobsFile:
             if not text.strip():
                 continue
             try:
-                row = json.loads(text)
+                row = parse_json(text)
             except ValueError as error:
                 raise InputError(
                     f"{self._path}, line {line}: not valid JSON: {error}", file=self._path

@@ -1,8 +1,6 @@
 """Measurements that a user gives, from a file or by name, and how the others are completed."""
 
-import json
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, fields, replace
 from functools import cache
@@ -13,6 +11,7 @@ import numpy as np
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.files.parse_text import parse_json, parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.geometry.errors import InputError
 
@@ -24,6 +23,8 @@ POINTS = {"shoulder_point": 3, "torso_depth": 2}
 """Measurements of several numbers, and how many."""
 LARGEST_IN_METRES = 5.0
 """A number up to this is a length in metres, a larger one in centimetres: no body is 5 cm around."""
+LARGEST = 1e6
+"""Numbers above this are no measurement in any unit."""
 LONGEST = 5.0
 """Lengths above this are none of a body [m]."""
 
@@ -43,7 +44,7 @@ def read_measurements(path: Path) -> dict[str, float | tuple[float, ...]]:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a file of measurements ({error})", file=path) from None
     try:
-        data = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
+        data = parse_json(text) if path.suffix.lower() == ".json" else parse_toml(text)
     except ValueError as error:
         raise InputError(f"{path}: not valid {path.suffix.lstrip('.').upper()}: {error}", file=path) from None
     if isinstance(data, dict):
@@ -71,7 +72,8 @@ def _value(name: str, value: Any) -> float | tuple[float, ...]:
         raise InputError(unknown_name("measurement", name, NAMES), field=field)
     numbers = value if isinstance(value, list | tuple) else [value]
     if len(numbers) != POINTS.get(name, 1) or not all(
-        isinstance(number, int | float) and not isinstance(number, bool) and math.isfinite(number)
+        # Not math.isfinite: some whole numbers are too large for a float.
+        isinstance(number, int | float) and not isinstance(number, bool) and abs(number) <= LARGEST
         for number in numbers
     ):
         count = f"{POINTS[name]} numbers" if name in POINTS else "a number"

@@ -113,8 +113,7 @@ def _run_pattern(options: argparse.Namespace) -> int:
 
 def _draft(design: str, measurements: Path | None, packages: Path, path: Path) -> None:
     """Draft a FreeSewing design to a file of measurements."""
-    import json
-
+    from toile.dressing.files.parse_text import parse_json
     from toile.dressing.files.writers.atomic import writable_folder, write_atomic
     from toile.dressing.pattern.drawn.freesewing_draft import draft_freesewing
 
@@ -123,9 +122,9 @@ def _draft(design: str, measurements: Path | None, packages: Path, path: Path) -
     if measurements is None:
         raise InputError("--draft needs --measurements FILE.json", field="--measurements")
     try:
-        data = json.loads(measurements.read_text(encoding="utf-8"))
+        data = parse_json(measurements.read_text(encoding="utf-8"))
         given = {str(name): float(value) for name, value in data.get("freesewing", data).items()}
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, TypeError, AttributeError, OverflowError) as error:
         raise InputError(
             f"{measurements}: not a file of measurements, names to millimetres ({error})", file=measurements
         ) from None

@@ -28,6 +28,8 @@ FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz", *MESHIO_FORMATS)
 """File extensions of mesh garments."""
 FITS = 1.6
 """Misfit up to which the avatar's own units and axes are not doubted: 0.1 to 2.5 times its size."""
+FARTHEST = 1e6
+"""Vertices farther from the origin are none of a garment [m]."""
 SPLIT_ABOVE = 1.4
 """An edge is split when longer than this many edge lengths: halves are then not below 0.7."""
 
@@ -95,6 +97,7 @@ def read_mesh_garment(
             f"{path}: {len(bad)} vertices are not finite (first: {bad[0]}); repair the mesh", file=path
         )
     metres = _in_metres(path, surface.positions, units, up, avatar, place)
+    _check_size(path, metres)
     surface, mended = mended_surface(replace(surface, positions=metres))
     if not len(surface.faces):
         raise InputError(f"{path}: no face has an area; export the garment again", file=path)
@@ -110,6 +113,17 @@ def read_mesh_garment(
     return replace(
         garment, trims=trims, thickness=thickness, notes=(*notes, *mended, *with_trims, *walled, *joined)
     )
+
+
+def _check_size(path: Path, metres: Float) -> None:
+    """Raise InputError if a vertex lies beyond reason: squares of its coordinates would overflow."""
+    far = np.flatnonzero((np.abs(metres) > FARTHEST).any(axis=1))
+    if len(far):
+        raise InputError(
+            f"{path}: vertex {far[0]} lies {np.abs(metres[far[0]]).max():.3g} m from the origin; repair the "
+            "mesh, or check its units",
+            file=path,
+        )
 
 
 def moved_in(garment: GarmentMesh, place: Place) -> GarmentMesh:

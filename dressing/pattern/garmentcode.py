@@ -4,13 +4,13 @@ Checked here, where the names of the file are still at hand: every panel is one 
 stitch can be sewn. What is wrong is named with file, panel and edge.
 """
 
-import json
 import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, get_args
 
+from toile.dressing.files.parse_text import parse_json
 from toile.dressing.pattern.garmentcode_loops import consistent_loops
 from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Point, Quadratic, Stitch
@@ -136,11 +136,9 @@ def _load(path: Path) -> Mapping[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: the pattern cannot be read ({error})", file=path) from None
     try:
-        document = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"{path.name}: not valid JSON (line {error.lineno}: {error.msg}); export the pattern again"
-        ) from None
+        document = parse_json(text)
+    except ValueError as error:
+        raise InputError(f"{path.name}: not valid JSON ({error}); export the pattern again") from None
     return _mapping(document, path.name, "this is not a GarmentCode specification")
 
 

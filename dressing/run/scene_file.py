@@ -20,7 +20,6 @@ Paths are relative to the scene file.
 """
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, asdict, fields, replace
@@ -28,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from toile.dressing.body.given_measurements import measurements_of
+from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
@@ -149,8 +149,8 @@ def load_scene(path: str | Path) -> Scene:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as a scene file ({error})", file=path) from None
     try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        data = parse_toml(text)
+    except ValueError as error:
         raise InputError(f"{path}: not valid TOML: {error}", file=path) from None
     return _SceneReader(path, LineNumbers(text)).scene(data)
 

@@ -14,7 +14,7 @@ WORDS = (
     "nan", "inf", "-inf", "-1", "0", "-0.0", "1", "2", "3", "7", "1e999", "1e308", "-1e308", "1e-320",
     "99999999999",
     "-99999999999", "4294967295", "0.5", "x", "", '"', "true", "null", "[", "]", "{", "}", "é", "\\", "#",
-    "/", "//",
+    "/", "//", "[" * 3000, "9" * 5000,
 )  # fmt: skip
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, 1, 2, 3, -1, 0.5, -0.5, 1e-300, 1e300, -1e300, 10**12, 2**31, 2**63, 10**400,
@@ -187,6 +187,9 @@ MUTATIONS: dict[str, tuple[Any, ...]] = {
     ".obj": (words_changed, words_changed, bytes_changed),
     ".ply": (words_changed, bytes_changed, bytes_changed),
     ".glb": (glb_changed, glb_changed, glb_changed, bytes_changed),
+    ".vrm": (glb_changed, glb_changed, glb_changed, bytes_changed),
+    ".dxf": (words_changed, words_changed, bytes_changed),
+    ".svg": (words_changed, words_changed, bytes_changed),
     ".gltf": (json_changed, json_changed, json_changed, words_changed),
     ".npz": (arrays_changed, arrays_changed, bytes_changed),
     ".vtu": (words_changed, words_changed, bytes_changed),

@@ -15,6 +15,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from tests.dressing.files.gltf_writer import Glb
+from tests.fuzz import bodies, drawn, garments
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import load_avatar
@@ -166,10 +167,16 @@ def gltfs() -> Iterable[tuple[str, bytes]]:
         ]
 
 
+def vrms() -> Iterable[tuple[str, bytes]]:
+    """The same bodies as avatars."""
+    return [(".vrm", data) for suffix, data in gltfs() if suffix == ".glb"]
+
+
 def npzs() -> Iterable[tuple[str, bytes]]:
-    """A body that moves, and a garment."""
+    """A body that moves, one that stands still, and a garment."""
     shape = body()
-    moving, garment = io.BytesIO(), io.BytesIO()
+    moving, still, garment = io.BytesIO(), io.BytesIO(), io.BytesIO()
+    np.savez(still, v=shape.vertices, f=shape.faces)
     frames = np.stack([shape.vertices, np.add(shape.vertices, (0.0, 0.0, 0.01))])
     np.savez(moving, vertices=frames, faces=shape.faces, fps=24.0)
     corners = np.array([[0.0, 1.0, 0.3], [0.2, 1.0, 0.3], [0.2, 1.2, 0.3], [0.0, 1.2, 0.3]])
@@ -179,7 +186,7 @@ def npzs() -> Iterable[tuple[str, bytes]]:
         stitches=np.array([[0, 3]]), held_lower_interface=np.array([0, 1]), fps=24.0,
         motion=np.stack([corners, corners]),
     )  # fmt: skip
-    return [(".npz", moving.getvalue()), (".npz", garment.getvalue())]
+    return [(".npz", stream.getvalue()) for stream in (moving, still, garment)]
 
 
 def vtus() -> Iterable[tuple[str, bytes]]:
@@ -223,9 +230,16 @@ READERS: dict[str, Reader] = {
         lambda: [(".csv", TABLE.encode()), (".jsonl", LINES.encode())],
         (lambda path: list(JobsFile(path, {})),),
     ),
+    "dxf": Reader(drawn.dxfs, (drawn.drawn, drawn.drawn_in_a_size)),
+    "svg": Reader(drawn.svgs, (drawn.drawn,)),
+    "seams": Reader(drawn.seams, (drawn.seams_file,)),
+    "measurements": Reader(bodies.measurements, (bodies.measured_body,)),
+    "placed": Reader(garments.placed_patterns, (garments.placed_pattern,)),
+    "dirty": Reader(garments.dirty_meshes, (garments.one_layer, garments.two_layers)),
     "obj": Reader(objs, MESH),
     "ply": Reader(plys, MESH),
     "glb": Reader(gltfs, (*MESH, moving_body)),
+    "vrm": Reader(vrms, (BODY, moving_body)),
     "npz": Reader(npzs, (moving_body, MESH[1])),
     "vtu": Reader(vtus, MESH),
 }  # fmt: skip

@@ -67,7 +67,8 @@ def _root(path: Path) -> ElementTree.Element:
         return ElementTree.parse(path).getroot()
     except FileNotFoundError:
         raise InputError(f"{path}: no such pattern file; check the path") from None
-    except (ElementTree.ParseError, OSError, UnicodeDecodeError) as error:
+    except (ElementTree.ParseError, OSError, ValueError, LookupError) as error:
+        # Encodings that Python does not know, or that are none of texts, are a LookupError or a ValueError.
         raise InputError(f"{path.name}: not a valid SVG ({error}); save it again") from None
 
 
@@ -116,7 +117,7 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
         for key, name in e.attrib.items()
         if _tag(e) == "use" and key.endswith("href") and name in ("#notch", "#bnotch")
     ]
-    marks = [np.array([float(e.get("x", "0")), -float(e.get("y", "0"))]) * metres for e, _ in signs]
+    marks = [_place(where, e) * [metres, -metres] for e, _ in signs]
     return Piece(
         name=name,
         edges=edges,
@@ -127,6 +128,20 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
         words=name,
         lines=tuple(points for n, points in enumerate(fabric) if n != largest),
     )
+
+
+def _place(where: str, element: ElementTree.Element) -> Float:
+    """Return where a notch lies in the drawing, shape (2,)."""
+    try:
+        place = np.array([float(element.get("x", "0")), float(element.get("y", "0"))])
+    except ValueError:
+        place = np.full(2, np.nan)
+    if not np.isfinite(place).all():
+        raise InputError(
+            f"{where}: a notch lies at x={element.get('x')!r}, y={element.get('y')!r}, which are no numbers; "
+            "save the drawing again"
+        )
+    return place
 
 
 def _area(points: Float) -> float:

@@ -9,12 +9,12 @@ A name with `~` is the mirrored half or the mirrored twin of a piece; seams of o
 too.
 """
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers
 from toile.dressing.pattern.drawn.piece import DrawnPattern, Piece
@@ -47,10 +47,10 @@ def apply_seams_file(drawn: DrawnPattern, path: Path) -> Told:
     """Return the pattern with what a seams file adds. Raises InputError naming file and line."""
     try:
         text = path.read_text(encoding="utf-8-sig")
-        data = tomllib.loads(text)
+        data = parse_toml(text)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such seams file; check the path", file=path) from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"{path}: not a valid TOML file ({error})", file=path) from None
     lines = LineNumbers(text)
 

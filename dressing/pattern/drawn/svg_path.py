@@ -17,7 +17,8 @@ _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "Q": 4, "Z": 0}
 def flat_path(d: str, where: str) -> Float:
     """Return the points of the first subpath of a path, curves spaced evenly in length, shape (n, 2).
 
-    Raises InputError, beginning with `where`, for commands other than M, L, H, V, C, Q and Z.
+    Raises InputError, beginning with `where`, for commands other than M, L, H, V, C, Q and Z, for what draws
+    no line, and for coordinates that are not finite.
     """
     tokens = _TOKEN.findall(d)
     points: list[Float] = []
@@ -40,7 +41,12 @@ def flat_path(d: str, where: str) -> Float:
         here = points[-1] if points else np.zeros(2)
         _go(points, kind, numbers, here, relative=command.islower())
         command = {"M": "L", "m": "l"}.get(command, command)
-    return np.array(points).reshape(-1, 2)
+    if len(points) < 2:
+        raise InputError(f"{where}: a path draws no line; remove it, or save the drawing again")
+    drawn = np.array(points).reshape(-1, 2)
+    if not np.isfinite(drawn).all():
+        raise InputError(f"{where}: a path has a coordinate that is not finite; save the drawing again")
+    return drawn
 
 
 def _go(points: list[Float], kind: str, numbers: list[float], here: Float, *, relative: bool) -> None:
