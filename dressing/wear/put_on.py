@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from toile.collide.shrunken import shrunken
 from toile.dressing.body.dress_form import DressForm
@@ -54,9 +55,11 @@ LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
 LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
-MOST_PER_FACE = 600
-"""Newton iterations, a face of the mesh at the start each, in which a garment is put on or given up: three
-times what any takes that is put on in its first mesh."""
+MOST_WORK, MOST_PER_FACE = 1e6, 600
+"""Newton iterations times faces after which a garment that is still being put on is given up: at least, and
+per face of the mesh at the start. Three times what any takes that is put on in its first mesh."""
+HELD_WITHIN = 0.015
+"""Distance within which cloth may hold back the body [m]."""
 SHUT = 1e-3
 """Gap below which a stitch is shut, as progress counts [m]."""
 
@@ -180,7 +183,7 @@ def _put_on(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
     watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
-    most = MOST_PER_FACE * len(cloth.faces)
+    most = max(MOST_WORK, MOST_PER_FACE * len(cloth.faces))
     plan = _plan(options, _all_fabrics(garments))
     plan = replace(plan, most_work=most if plan.most_work is None else min(most, plan.most_work))
     run = Drape(cloth, obstacle, growth, plan, reel.showing(watch))
@@ -255,7 +258,7 @@ def _outcome(
         if failure is not None and run.is_spent():
             each = record.work / record.first_faces
             failure = replace(
-                failure, message=f"{failure.message}; given up after {each:.0f} Newton iterations"
+                failure, message=f"{failure.message}; given up after {each:.0f} Newton iterations per face"
             )
     status: Status = "frame_limit"
     if record.cancelled:
@@ -319,12 +322,14 @@ def _unfinished(run: Drape) -> str:
 
 
 def _held_back(run: Drape, place: Place) -> str:
-    """Say where cloth holds a growing body back the most."""
+    """Say where a growing body, next to the cloth, lacks the most."""
     if run.phase != "growing" or run.surface is None or not run.growth:
         return ""
-    left = np.linalg.norm(run.growth[-1].vertices - run.surface.vertices, axis=1)
-    x, y, z = place.outward(run.surface.vertices[int(left.argmax())])
-    return f"; the body lacks {1e3 * left.max():.0f} mm near ({x:.2f}, {y:.2f}, {z:.2f}) m"
+    body = run.surface.vertices
+    away, _ = cKDTree(run.stepper.x).query(body, distance_upper_bound=HELD_WITHIN)
+    left = np.where(np.isfinite(away), np.linalg.norm(run.growth[-1].vertices - body, axis=1), 0.0)
+    x, y, z = place.outward(body[int(left.argmax())])
+    return f"; under the cloth the body lacks {1e3 * left.max():.0f} mm near ({x:.2f}, {y:.2f}, {z:.2f}) m"
 
 
 def _figures(run: Drape, meshes: list[GarmentMesh], place: Place) -> DrapeFigures:
