@@ -11,8 +11,17 @@ from pathlib import Path
 from typing import Any, get_args
 
 from toile.dressing.files.parse_text import parse_json
+from toile.dressing.pattern.empty_edges import (
+    SHORTEST_EDGE,
+    Numbers,
+    new_number,
+    renumbered,
+    same_place,
+    without_empty_edges,
+)
 from toile.dressing.pattern.garmentcode_loops import consistent_loops
 from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
+from toile.dressing.pattern.likely_units import likely_units
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Edge, Panel, Pattern, Point, Quadratic, Stitch
 from toile.dressing.pattern.pattern_curve import edge_length, relative_point
 from toile.dressing.pattern.pattern_outline import crossing_sides, default_segments, outline
@@ -21,13 +30,9 @@ from toile.dressing.pattern.seam import read_seam
 from toile.dressing.pattern.split_seams import split_seams
 from toile.geometry.errors import InputError, about
 
-SHORTEST_EDGE = 1e-5
-"""Edges shorter than this [m] are taken for mistakes."""
 MAX_DART_RATIO = 5.0
 MAX_GATHER_RATIO = 12.0
 """Longest over shortest edge that can be sewn together; real gathers stay below 4."""
-LARGEST_WITHOUT_UNITS = 300.0
-"""Size of a panel in a file without units from which they are millimetres, not centimetres."""
 LARGEST_PANEL, SMALLEST_LARGEST = 10.0, 0.03
 """Size [m] that no panel exceeds, and that some panel of every pattern reaches: else the units are wrong."""
 
@@ -59,7 +64,7 @@ def _pattern(path: Path) -> Pattern:
     notes: list[str] = []
     units = properties.get("units_in_meter")
     if units is None:
-        units, word = _likely_units(body)
+        units, word = likely_units(body)
         notes.append(f"The pattern does not say its units; {word} are assumed.")
     with about(field="properties.units_in_meter"):
         units = _number(units, f"{path.name}: properties.units_in_meter")
@@ -74,18 +79,25 @@ def _pattern(path: Path) -> Pattern:
         raw_panels = _mapping(body.get("panels"), f"{path.name}: 'pattern.panels'", "give at least one panel")
         if not raw_panels:
             raise InputError(f"{path.name}: 'pattern.panels' is empty; give at least one panel")
-    panels = {}
+    panels: dict[str, Panel] = {}
+    numbers: dict[str, Numbers] = {}
     for name, raw in raw_panels.items():
         with about(field=f"pattern.panels.{name}"):
-            panels[name] = _panel(raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre)
+            panels[name], numbers[name], mended = _panel(
+                raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre
+            )
+        notes += [f"Panel '{name}': {note}." for note in mended]
     _check_sizes(panels, path.name, units)
     order = body.get("panel_order")
     if isinstance(order, list) and sorted(map(str, order)) == sorted(panels):
         panels = {name: panels[name] for name in order}
-    stitches = _stitches(body.get("stitches") or [], panels, path.name)
+    stitches = _stitches(body.get("stitches") or [], panels, path.name, numbers)
     name = path.name.removesuffix(".json").removesuffix("_specification")
     seams = tuple(
-        read_seam(text, f"{path.name}: pattern.seams.{i}") for i, text in enumerate(body.get("seams") or [])
+        renumbered(read_seam(text, where), numbers, where)
+        for where, text in (
+            (f"{path.name}: pattern.seams.{i}", text) for i, text in enumerate(body.get("seams") or [])
+        )
     )
     pattern = Pattern(
         name=name, panels=tuple(panels.values()), stitches=stitches, notes=tuple(notes), seams=seams
@@ -93,26 +105,6 @@ def _pattern(path: Path) -> Pattern:
     if properties.get("normalized_edge_loops") is not True:
         pattern = consistent_loops(pattern)
     return pattern
-
-
-def _likely_units(body: Mapping[str, Any]) -> tuple[float, str]:
-    """Return the units per metre of panels that do not say them, and their name: no panel exceeds 3 m."""
-    raw = body.get("panels")
-    panels = list(raw.values()) if isinstance(raw, Mapping) else []
-    corners = [panel.get("vertices") for panel in panels if isinstance(panel, Mapping)]
-    size = 0.0
-    for points in corners:
-        numbers = [
-            [float(number) for number in point if isinstance(number, int | float)]
-            for point in (points if isinstance(points, list) else [])
-            if isinstance(point, list)
-        ]
-        pairs = [point for point in numbers if len(point) == 2]
-        for axis in (0, 1):
-            values = [point[axis] for point in pairs] or [0.0]
-            size = max(size, max(values) - min(values))
-    # NaN and infinities are named where the panel is read.
-    return (1000.0, "millimetres") if LARGEST_WITHOUT_UNITS < size < math.inf else (100.0, "centimetres")
 
 
 def check_pattern(pattern: Pattern) -> None:
@@ -125,7 +117,8 @@ def check_pattern(pattern: Pattern) -> None:
         [{"panel": s.panel_a, "edge": s.edge_a}, {"panel": s.panel_b, "edge": s.edge_b}]
         for s in pattern.stitches
     ]
-    _stitches(raw, {panel.name: panel for panel in pattern.panels}, pattern.name)
+    numbers = {panel.name: tuple(range(len(panel.edges))) for panel in pattern.panels}
+    _stitches(raw, {panel.name: panel for panel in pattern.panels}, pattern.name, numbers)
 
 
 def _load(path: Path) -> Mapping[str, Any]:
@@ -172,7 +165,10 @@ def _index(value: Any, count: int, what: str, owner: str) -> int:
     return value
 
 
-def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recentre: bool) -> Panel:
+def _panel(
+    raw: Any, name: str, where: str, units: float, absolute: bool, recentre: bool
+) -> tuple[Panel, Numbers, tuple[str, ...]]:
+    """Return a panel, what its edges are numbered now, and what was mended."""
     raw = _mapping(raw, where, "give vertices and edges")
     raw_vertices = raw.get("vertices")
     if not isinstance(raw_vertices, list) or not raw_vertices:
@@ -193,6 +189,7 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
     for i, raw_edge in enumerate(raw_edges):
         with about(field=f"edges.{i}"):
             edges.append(_edge(raw_edge, f"{where}, edge {i}", corners, units, absolute))
+    edges, numbers, mended = without_empty_edges(corners, edges, where)
     if recentre:
         shift_x = sum(x for x, _ in corners) / len(corners)
         shift_y = sum(y for _, y in corners) / len(corners)
@@ -227,7 +224,7 @@ def _panel(raw: Any, name: str, where: str, units: float, absolute: bool, recent
             raise InputError(
                 f"{where}, edge {i} is {length:.3g} m long; check its curvature", field=f"edges.{i}.curvature"
             )
-    return panel
+    return panel, numbers, mended
 
 
 def _check_sizes(panels: Mapping[str, Panel], file: str, units: float) -> None:
@@ -247,12 +244,15 @@ def _edge(raw: Any, where: str, corners: list[Point], units: float, absolute: bo
         raise InputError(f"{where}: 'endpoints' must be two vertex numbers, got {ends!r}", field="endpoints")
     with about(field="endpoints"):
         start, end = (_index(value, len(corners), f"{where}: endpoint", "the panel") for value in ends)
-    if math.dist(corners[start], corners[end]) < SHORTEST_EDGE:
-        raise InputError(
-            f"{where} has no length (vertices {start} and {end} coincide); remove it or move a vertex"
-        )
+    bent = raw.get("curvature")
+    if same_place(corners[start], corners[end]):
+        if bent is not None:
+            raise InputError(
+                f"{where} has no length (vertices {start} and {end} coincide); remove it or move a vertex"
+            )
+        return Edge(start, end)
     with about(field="curvature"):
-        curve = _curve(raw.get("curvature"), where, corners[start], corners[end], units, absolute)
+        curve = _curve(bent, where, corners[start], corners[end], units, absolute)
     label = str(raw.get("label") or "")
     return Edge(start, end, curve, label, _role(raw, EdgeRole, where) or edge_role(label))
 
@@ -323,19 +323,27 @@ def _check_outline(panel: Panel, where: str) -> None:
         raise InputError(f"{where} crosses itself: {what}; move their vertices or control points apart")
 
 
-def _stitches(raw_stitches: Any, panels: Mapping[str, Panel], file: str) -> tuple[Stitch, ...]:
+def _stitches(
+    raw_stitches: Any, panels: Mapping[str, Panel], file: str, numbers: Mapping[str, Numbers]
+) -> tuple[Stitch, ...]:
     if not isinstance(raw_stitches, list):
         raise InputError(f"{file}: 'pattern.stitches' must be a list", field="pattern.stitches")
     sewn: dict[tuple[str, int], int] = {}
     stitches = []
     for number, raw in enumerate(raw_stitches):
         with about(field=f"pattern.stitches.{number}"):
-            stitches.append(_stitch(raw, panels, f"{file}: stitch {number}", sewn))
+            stitches.append(_stitch(raw, panels, f"{file}: stitch {number}", sewn, numbers))
         sewn |= dict.fromkeys(_sides(stitches[-1]), number)
     return tuple(stitches)
 
 
-def _stitch(raw: Any, panels: Mapping[str, Panel], where: str, sewn: Mapping[tuple[str, int], int]) -> Stitch:
+def _stitch(
+    raw: Any,
+    panels: Mapping[str, Panel],
+    where: str,
+    sewn: Mapping[tuple[str, int], int],
+    numbers: Mapping[str, Numbers],
+) -> Stitch:
     right_wrong = isinstance(raw, list) and len(raw) == 3 and raw[2] == "right_wrong"
     if not isinstance(raw, list) or not (len(raw) == 2 or right_wrong):
         raise InputError(f'{where} must be two edges, optionally followed by "right_wrong"')
@@ -348,8 +356,8 @@ def _stitch(raw: Any, panels: Mapping[str, Panel], where: str, sewn: Mapping[tup
             raise InputError(
                 f"{where} refers to panel '{name}', which does not exist; the panels are {known}"
             )
-        edge = _index(item.get("edge"), len(panels[name].edges), f"{where}: edge", f"panel '{name}'")
-        side = (name, edge)
+        edge = _index(item.get("edge"), len(numbers[name]), f"{where}: edge", f"panel '{name}'")
+        side = (name, new_number(numbers[name], name, edge, where))
         if side in sides:
             raise InputError(f"{where} sews panel '{name}', edge {edge} to itself; name two different edges")
         if side in sewn:

@@ -37,8 +37,10 @@ HANGING = np.radians(65.0)
 """Arms that are lower than this leave sleeves little room [rad]."""
 MOST_RETRIED = 8e5
 """Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""
-LAST_WORK = 1e6
-"""What the last attempt may take then until the garment settles, or twice what the one before took."""
+LAST_WORK, LAST_PER_FACE = 1e6, 300
+"""What the last attempt may take then until the garment settles: at least, in all and per face."""
+ALL_WORK = 3e6
+"""What all attempts may take together, beyond that; the last no more than twice what the one before took."""
 
 
 @dataclass(frozen=True)
@@ -153,13 +155,16 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
     reading = Spent()
     stages: dict[str, Spent] = {}
     work = last_work = 0
+    meshes: list[GarmentMesh] = []
     for edges in scene.sewing:
         started = now()
-        meshes = [load_garment(garment, form, edges) for garment in scene.garments]
+        before, meshes = meshes, [load_garment(garment, form, edges) for garment in scene.garments]
         options = _options(scene, meshes, edges, floor_height(scene.ground, form))
         if work >= MOST_RETRIED:
-            options = replace(options, persistent=True, most_work=max(LAST_WORK, 2.0 * last_work))
+            options = replace(options, persistent=True, most_work=_work_left(meshes, work, last_work))
         reading = reading.plus(now().less(started))
+        if not options.persistent and _are_same(before, meshes):
+            continue
         cloth = [
             (mesh, _as_thick(garment.fabric, mesh.thickness))
             for mesh, garment in zip(meshes, scene.garments, strict=True)
@@ -174,6 +179,22 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
     return _Sewing(cloth, options, outcome, reading, stages)
+
+
+def _work_left(meshes: list[GarmentMesh], work: int, last_work: int) -> float:
+    """Return what the last attempt may take, after others that took `work`, the one before `last_work`."""
+    least = max(LAST_WORK, LAST_PER_FACE * sum(len(mesh.faces) for mesh in meshes))
+    return max(least, min(2.0 * last_work, ALL_WORK - work))
+
+
+def _are_same(before: list[GarmentMesh], meshes: list[GarmentMesh]) -> bool:
+    """Whether garments without seams have the triangles that they had before, and would jam again."""
+    return len(before) == len(meshes) and all(
+        not len(mesh.stitches)
+        and np.array_equal(mesh.faces, old.faces)
+        and np.array_equal(mesh.positions, old.positions)
+        for old, mesh in zip(before, meshes, strict=True)
+    )
 
 
 def floor_height(ground: bool | float, form: DressForm) -> float | None:

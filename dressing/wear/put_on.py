@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from toile.collide.shrunken import shrunken
 from toile.dressing.body.dress_form import DressForm
@@ -54,6 +55,11 @@ LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
 LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
+MOST_WORK, MOST_PER_FACE = 1e6, 600
+"""Newton iterations times faces after which a garment that is still being put on is given up: at least, and
+per face of the mesh at the start. Three times what any takes that is put on in its first mesh."""
+HELD_WITHIN = 0.015
+"""Distance within which cloth may hold back the body [m]."""
 SHUT = 1e-3
 """Gap below which a stitch is shut, as progress counts [m]."""
 
@@ -177,7 +183,10 @@ def _put_on(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
     )
     watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
-    run = Drape(cloth, obstacle, growth, _plan(options, _all_fabrics(garments)), reel.showing(watch))
+    most = max(MOST_WORK, MOST_PER_FACE * len(cloth.faces))
+    plan = _plan(options, _all_fabrics(garments))
+    plan = replace(plan, most_work=most if plan.most_work is None else min(most, plan.most_work))
+    run = Drape(cloth, obstacle, growth, plan, reel.showing(watch))
     return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch, form.place)
 
 
@@ -246,6 +255,11 @@ def _outcome(
     record, meshes = run.record, [mesh for mesh, _ in garments]
     if failure is None and not record.cancelled:
         failure = _shortcoming(run, meshes, place) or (None if record.gave_up else watch.at_end(run.cloth))
+        if failure is not None and run.is_spent():
+            each = record.work / record.first_faces
+            failure = replace(
+                failure, message=f"{failure.message}; given up after {each:.0f} Newton iterations per face"
+            )
     status: Status = "frame_limit"
     if record.cancelled:
         status = "cancelled"
@@ -292,7 +306,7 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure
         return Failure(
             kind="not_sewn",
             message=_unfinished(run),
-            where=f"frame {len(record.crossings) - 1}",
+            where=f"frame {len(record.crossings) - 1}{_held_back(run, place)}",
         )
     return None
 
@@ -301,10 +315,21 @@ def _unfinished(run: Drape) -> str:
     """Say why a garment is not sewn yet."""
     if run.record.steps < run.plan.max_steps:
         return (
-            f"the garment jammed in several meshes, and in the last while it was still {run.phase}; place "
-            "its panels farther from the body and from each other, or check its size"
+            f"the garment jammed while it was still {run.phase}; place its panels farther from the body and "
+            "from each other, or check its size"
         )
     return f"the frame limit was reached while the garment was still {run.phase}; allow more frames"
+
+
+def _held_back(run: Drape, place: Place) -> str:
+    """Say where a growing body, next to the cloth, lacks the most."""
+    if run.phase != "growing" or run.surface is None or not run.growth:
+        return ""
+    body = run.surface.vertices
+    away, _ = cKDTree(run.stepper.x).query(body, distance_upper_bound=HELD_WITHIN)
+    left = np.where(np.isfinite(away), np.linalg.norm(run.growth[-1].vertices - body, axis=1), 0.0)
+    x, y, z = place.outward(body[int(left.argmax())])
+    return f"; under the cloth the body lacks {1e3 * left.max():.0f} mm near ({x:.2f}, {y:.2f}, {z:.2f}) m"
 
 
 def _figures(run: Drape, meshes: list[GarmentMesh], place: Place) -> DrapeFigures:

@@ -89,9 +89,11 @@ class DrapeState(ClothRun):
 
     def over(self) -> bool:
         """Whether the user cancelled, or the limit of steps or of work has come."""
-        record, most = self.record, self.plan.most_work
-        spent = most is not None and record.work >= most
-        return record.cancelled or record.steps >= self.plan.max_steps or spent
+        return self.record.cancelled or self.record.steps >= self.plan.max_steps or self.is_spent()
+
+    def is_spent(self) -> bool:
+        """Whether cloth took all the work that it may take until it settles."""
+        return self.plan.most_work is not None and self.record.work >= self.plan.most_work
 
     def stopped(self) -> bool:
         """Whether the present phase must end: the drape is over, or tangles had their share of the steps.

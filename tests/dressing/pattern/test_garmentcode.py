@@ -320,7 +320,12 @@ BAD: list[tuple[Spoil, str]] = [
     (lambda d: panel_of(d)["edges"][2].update(endpoints=[2, 1.5]), "edge 2: endpoint must be a whole"),
     (lambda d: panel_of(d)["edges"][2].update(endpoints=[2]), "edge 2: 'endpoints'"),
     (lambda d: panel_of(d)["edges"].pop(2), "panel 'left' is not a closed loop: edge 1"),
-    (lambda d: panel_of(d)["vertices"].__setitem__(1, [0, 0]), "panel 'left', edge 0 has no length"),
+    (lambda d: panel_of(d)["vertices"].__setitem__(2, [20, 0]), "sews panel 'left', edge 1, .* no length"),
+    (lambda d: panel_of(d).update(vertices=[[1, 1]] * 4), "none of its edges has a length"),
+    (
+        lambda d: (bend(d, "cubic", [[0, 1], [1, 1]]), panel_of(d)["vertices"].__setitem__(1, [0, 0])),
+        "panel 'left', edge 0 has no length",
+    ),
     (lambda d: panel_of(d).update(vertices=[[0, 0], [20, 20], [20, 0], [0, 20]]), "edges 0 and 2 cross"),
     (lambda d: panel_of(d)["edges"][0].update(curvature=[0.5, 2.5]), "edges 0 and 2 cross"),
     (lambda d: bend(d, "cubic", [[1.5, -1], [-0.5, -1]]), "edge 0 crosses itself"),
