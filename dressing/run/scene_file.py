@@ -77,11 +77,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "lift": (NUMBER, "lift coefficient, from 0 (drag only) to that of drag, default 1"),
     },
     "avatar": {
-        "file": (
-            str,
-            "OBJ, PLY, STL, GLB, VRM, USD, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb "
-            "or .usd, folder",
-        ),
+        "file": (str, "OBJ PLY STL GLB VRM USD VTU VTK XDMF INP MSH; one that moves: .npz .glb .usd, folder"),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
         "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
