@@ -59,7 +59,7 @@ def bind_pose(file: GltfFile) -> Pose | None:
         parent = placed[parents[node]] if node in parents else np.eye(4)
         if node in bound:
             placed[node] = bound[node]
-            local = np.linalg.solve(parent, bound[node])
+            local = np.asarray(np.linalg.solve(parent, bound[node]), np.float64)
             pose |= {(node, path): value for path, value in parts_of(local).items()}
         else:
             above = world[parents[node]] if node in parents else np.eye(4)

@@ -45,7 +45,7 @@ def skinned_mannequin(
     for node, sign in zip(arms, (-1.0, 1.0), strict=True):
         glb.animate(node, "rotation", times, _turn("z", sign * down, sign * (down - 4.0)))
     place = np.array(at) + PLACES[0]
-    glb.animate(hips, "translation", times, [place, place + (0.0, 0.0, 0.05)])
+    glb.animate(hips, "translation", times, [place, place + np.array([0.0, 0.0, 0.05])])
     glb.animate(hips, "rotation", times, _turn("y", facing, facing))
     return glb
 

@@ -34,7 +34,7 @@ def test_shares_of_the_way_ease_in_and_out() -> None:
 
 
 def test_joints_go_by_angles_and_the_rest_along_lines(tmp_path: Path) -> None:
-    """A quarter of the way to a turn by 80 degrees is one by 20; places and scales go along straight lines."""
+    """A quarter of the way to a turn by 80 degrees is one by 20; places and scales go along lines."""
     glb = Glb()
     tip = glb.node(root=False, translation=[0.0, 1.0, 0.0], mesh=glb.mesh())
     base = glb.node(children=[tip], rotation=quaternion("y", 10.0).tolist())
@@ -91,8 +91,8 @@ def test_without_a_skin_no_pose_of_binding_is_known(tmp_path: Path) -> None:
 
 
 def test_frames_are_put_where_the_last_stands_and_faces() -> None:
-    last = CORNERS + (5.0, 2.0, -3.0)
-    turned = Rotation.from_euler("y", 130.0, degrees=True).apply(CORNERS) + (-40.0, 0.3, 7.0)
+    last = CORNERS + np.array([5.0, 2.0, -3.0])
+    turned = Rotation.from_euler("y", 130.0, degrees=True).apply(CORNERS) + np.array([-40.0, 0.3, 7.0])
     found = standing(np.stack([turned, last]), Y)
     assert np.abs(found[0] - last).max() < 1e-12 and np.array_equal(found[1], last)
 
