@@ -105,6 +105,8 @@ class JobsFile:
         try:
             return int(cell) if kind is int else float(cell)
         except ValueError:
+            if isinstance(kind, tuple) and str in kind:
+                return cell
             raise InputError(
                 f"{self._path}, line {line}: {column} must be a number, got '{cell}'",
                 file=self._path,

@@ -1,7 +1,9 @@
 """Readers of moving avatars: vertices over time in .npz, animated glTF, USD, folders of meshes."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,6 +14,7 @@ from toile.dressing.body.avatar_units import upright
 from toile.dressing.body.reading import RECOGNISED, Reading
 from toile.dressing.files.gltf.animated_gltf import read_animated_gltf
 from toile.dressing.files.gltf.gltf_file import has_animation
+from toile.dressing.files.gltf.gltf_lead_in import read_lead_in
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
 from toile.dressing.files.moving_file import MovingSurface, read_folder_motion, read_npz_motion
 from toile.dressing.files.read_surface import GLTF
@@ -24,6 +27,8 @@ from toile.geometry.errors import InputError, about
 DEFAULT_FPS = 24.0
 SAME = 1e-6
 """Distance at which a repaired vertex counts as one of the file's [m]."""
+SAME_POSE = 1e-4
+"""Vertices of two poses that are closer than this share of the body's size are alike."""
 BOUND_TO = 4
 """Vertices of the file that a new vertex, of a closed hole, say, follows."""
 
@@ -81,6 +86,34 @@ def load_animated_avatar(
         if fps is not None:
             raise InputError(f"{path}: holds one frame, so it has no fps", file=path, field="fps")
         return _noted(avatar_of(path, moving.surface, reading), moving.notes)
+
+
+def led_in_avatars(
+    path: Path, *, reading: Reading, fps: float | None, clip: str | None, seconds: float,
+    up: Literal["y", "z"],
+) -> Iterator[Avatar]:  # fmt: skip
+    """Read a glTF body that begins in a pose of rest, and moves from there to its clip's first frame.
+
+    Yields one for every pose of rest in which the file has it (see `read_lead_in`). `seconds` is the length
+    of the lead-in, rounded to whole frames, and `up` the axis of the file that points up. Parameters and
+    errors are else those of `load_animated_avatar`.
+    """
+    with about(file=path):
+        sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
+        count = max(round(seconds * (fps or DEFAULT_FPS)), 1)
+        seen: list[Float] = []
+        for lead in read_lead_in(path, clip, count, "xyz".index(up)):
+            size = np.ptp(sampled.frames[0], axis=0).max()
+            if any(np.abs(lead[0] - other).max() < SAME_POSE * size for other in seen):
+                continue
+            seen.append(lead[0])
+            moving = MovingSurface(
+                frames=np.concatenate([lead, sampled.frames]),
+                surface=replace(sampled.surface, positions=lead[0].copy()),
+                notes=(sampled.note,),
+                lead=count,
+            )
+            yield _moving_avatar(path, moving, replace(reading, up=up), fps)
 
 
 def load_posed_avatar(
@@ -154,9 +187,11 @@ def _moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: flo
     scale = avatar.metres_per_unit
     metres = np.stack([upright(frame[used], avatar.up_axis) * scale for frame in moving.frames])
     own_fps = fps or moving.fps
-    motion = VertexMotion(frames=_followed(avatar.vertices, metres), fps=own_fps or DEFAULT_FPS)
+    motion = VertexMotion(
+        frames=_followed(avatar.vertices, metres), fps=own_fps or DEFAULT_FPS, lead=moving.lead
+    )
     assumed = "" if own_fps else " (assumed; set fps to change it)"
-    count = f"{len(metres)} frames at {motion.fps:g} per second{assumed}"
+    count = f"{len(metres) - moving.lead} frames at {motion.fps:g} per second{assumed}"
     return replace(avatar, motion=motion, notes=(*avatar.notes, *moving.notes, count))
 
 

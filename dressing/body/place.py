@@ -81,7 +81,7 @@ class Place:
         frames = np.empty(motion.frames.shape, np.float32)
         for index, frame in enumerate(motion.frames):
             frames[index] = self.inward(frame)
-        return VertexMotion(frames=frames, fps=motion.fps)
+        return replace(motion, frames=frames)
 
     def own(self, avatar: Avatar) -> Avatar:
         """Return an avatar in its own frame, to which no file's units and axes belong."""

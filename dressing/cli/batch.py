@@ -37,7 +37,7 @@ columns of a CSV jobs file, and keys of its JSON lines:
   garment        files or built-in names, from the body outwards, separated by ';'
   fabric         preset of all garments, or one for each, separated by ';'
   quality, edge_length, remesh, max_frames, gravity, friction
-  units, up, front, fps, time, clip of the body's file; only, without: its parts, separated by ';'
+  units, up, front, fps, time, clip, lead_in of the body's file; only, without: its parts, separated by ';'
   measurements   file of the body's measurements; height, chest, waist, hip [m] of the mannequin
 JSON lines may hold all keys of a scene file instead (toile dress --scene-keys)."""
 

@@ -21,6 +21,7 @@ from toile.dressing.cli.parser import (
     Parser,
     add_reading,
     body_length,
+    lead_in,
     reading_of,
 )
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
@@ -134,6 +135,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "an animated .glb, .gltf or .usd, or a folder with a mesh per frame (default: built-in mannequin)",
     )
     add_reading(dress)
+    dress.add_argument(
+        "--lead-in", type=lead_in, metavar="SECONDS|off",
+        help="motion from the rest pose of a .glb BODY into its clip (default: 1 s where its arms hang)",
+    )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(
         "--garment",

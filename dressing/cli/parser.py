@@ -40,6 +40,14 @@ def body_length(text: str) -> float:
     return value * factor
 
 
+def lead_in(text: str) -> float | str:
+    """Return the length of a lead-in [s], or "off"."""
+    try:
+        return text if text == "off" else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number of seconds nor off") from None
+
+
 READING = ("units", "up", "front", "only", "without", "fps", "time", "clip")
 """Options that say how the file of a body is read, by the names of AvatarFile."""
 

@@ -36,6 +36,8 @@ class MovingSurface:
         Unit and up axis that the file names, or None.
     notes
         What was noticed, one sentence each.
+    lead
+        Frames of a lead-in, before the file's own.
     """
 
     frames: npt.NDArray[np.floating]
@@ -44,6 +46,7 @@ class MovingSurface:
     units: str | None = None
     up: str | None = None
     notes: tuple[str, ...] = ()
+    lead: int = 0
 
 
 def read_npz_motion(path: Path) -> MovingSurface:

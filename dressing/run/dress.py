@@ -71,7 +71,8 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
         listener.say("the garments were not draped yet: starting from the beginning")
         return _from_the_start(scene, writable_folder(folder), listener)
     load_scene_kernels(scene, True, listener)
-    listener.say(f"resuming after frame {0 if state is None else len(state.record.crossings) - 1}")
+    last, motion = 0 if state is None else len(state.record.crossings) - 1, hung.body.motion
+    listener.say(f"resuming after {f'frame {last}' if motion is None else motion.name(last)}")
     return _to_the_end(scene, hung, checkpoint, listener, state)
 
 
@@ -124,8 +125,8 @@ def _followed(
     followed = follow(scene, hung, checkpoint, listener, state)
     written = now()
     if checkpoint is not None:
-        fps, count = hung.body.motion.fps, followed.figures["frames"] + 1
-        if write_film(checkpoint.output, followed.garments, fps, count) is None:
+        fps, count = hung.body.motion.fps, followed.count
+        if count and write_film(checkpoint.output, followed.garments, fps, count) is None:
             listener.say(
                 "no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/"
             )

@@ -21,6 +21,7 @@ from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
     PUSHED_NEWTON,
@@ -43,7 +44,10 @@ LONGEST_STEP = 1.0 / 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class Followed:
-    """Outcome of a motion: garments and avatar at its end, why it ended early, figures."""
+    """Outcome of a motion: garments and avatar at its end, why it ended early, figures, times.
+
+    `count` is the number of the film's frames: none where its lead-in failed.
+    """
 
     garments: tuple[DressedGarment, ...]
     avatar: Avatar
@@ -51,6 +55,7 @@ class Followed:
     cancelled: bool
     figures: dict[str, Any]
     stages: dict[str, Spent]
+    count: int
 
 
 def frame_path(frames: Path, name: str, index: int) -> Path:
@@ -107,7 +112,8 @@ def follow(
     def on_film_frame(frame: FilmFrame) -> bool:
         now = clock.now()
         shown.take(frame)
-        listener.record(frame.index, shown.garments)
+        if frame.index >= motion.lead:
+            listener.record(frame.index - motion.lead, shown.garments)
         if frame.index and checkpoint is not None:
             checkpoint.frame(film.state())
         clock.add("io", now)
@@ -115,6 +121,7 @@ def follow(
             FrameState(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
                 seconds=time.perf_counter() - started, max_frames=last,
+                doing="leading in" if frame.index < motion.lead else "",
             )
         )  # fmt: skip
 
@@ -130,11 +137,12 @@ def follow(
         done = len(state.record.crossings) - 1
     made = film.run((last - done) / motion.fps)
     if max(made.stretch_max) > TIGHT:
-        listener.say(_tight_sentence(made, shown))
+        listener.say(_tight_sentence(made, shown, motion))
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
-        failure=_failure(made, shown.crossing), cancelled=made.cancelled, figures=_figures(made, motion.fps),
-        stages=clock.spent,
+        failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
+        figures=_figures(made, motion),
+        stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0),
     )  # fmt: skip
 
 
@@ -161,18 +169,20 @@ class _Shown:
         self._avatar = hung.avatar
         self._place = hung.place
         self._frames = frames
+        assert hung.body.motion is not None
+        self._motion = hung.body.motion
 
     def take(self, frame: FilmFrame) -> None:
         """Take a frame."""
         assert frame.avatar is not None
         self.skin, self.garments = self._place.outward(frame.avatar), self._as_of(frame.cloth)
-        if self._frames is not None:
-            self._write(self._frames, frame.index)
+        if self._frames is not None and frame.index >= self._motion.lead:
+            self._write(self._frames, frame.index - self._motion.lead)
         if frame.stretch_max > max(self.tightest[0], TIGHT):
             self.tightest = (frame.stretch_max, frame.index, _tightest_place(self.garments))
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
             where = place_of(frame.cloth, frame.crossings, self.garments, self._place)
-            self.crossing = f"frame {frame.index}; {where}"
+            self.crossing = f"{self._motion.name(frame.index)}; {where}"
 
     def go_on_from(self, state: FilmState) -> None:
         """Take the last frame of a run that was stopped, perhaps between that and its end."""
@@ -206,14 +216,15 @@ def _tightest_place(garments: tuple[DressedGarment, ...]) -> str:
     return f"garment {garment.name}: {panel}; near ({x:.2f}, {y:.2f}, {z:.2f}) m"
 
 
-def _tight_sentence(made: FilmRecord, shown: _Shown) -> str:
+def _tight_sentence(made: FilmRecord, shown: _Shown, motion: VertexMotion) -> str:
     """Say where a film stretches cloth more than fabric bears."""
     most = max(made.stretch_max)
     frame = made.stretch_max.index(most)
+    name = motion.name(frame)
     # The place is known of frames of this run.
     where = f"; {shown.tightest[2]}" if shown.tightest[1] == frame and shown.tightest[2] else ""
     return (
-        f"cloth is stretched by {100.0 * most:.0f} %, more than fabric bears, in frame {frame}{where}: the "
+        f"cloth is stretched by {100.0 * most:.0f} %, more than fabric bears, in {name}{where}: the "
         "motion leaves it no room there, or the garment is too tight"
     )
 
@@ -230,26 +241,28 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     )  # fmt: skip
 
 
-def _failure(made: FilmRecord, crossing: str) -> Failure | None:
+def _failure(made: FilmRecord, crossing: str, motion: VertexMotion) -> Failure | None:
     """Return why a film failed, if it did; `crossing` is the first place that crossed, where it is known."""
     if made.failure:
-        frame = len(made.crossings) - 1
-        return Failure(kind="motion", message=made.failure, where=f"frame {frame}")
+        last = motion.name(len(made.crossings) - 1)
+        return Failure(kind="motion", message=made.failure, where=last)
     if any(map(sum, made.crossings)):
         frame = next(index for index, found in enumerate(made.crossings) if sum(found))
         # The place is known of frames of this run; a film resumed after a crossing knows the frame only.
-        return Failure(kind="crossing", message="triangles cross", where=crossing or f"frame {frame}")
+        return Failure(kind="crossing", message="triangles cross", where=crossing or motion.name(frame))
     return None
 
 
-def _figures(made: FilmRecord, fps: float) -> dict[str, Any]:
-    """Return what the report says about a film."""
+def _figures(made: FilmRecord, motion: VertexMotion) -> dict[str, Any]:
+    """Return what the report says about a film; the worst and the work are those of its lead-in too."""
+    lead, lead_steps = motion.lead, sum(made.steps_per_frame[: motion.lead + 1])
     gaps = [gap for gap in made.min_gap if math.isfinite(gap)]
     return {
-        "fps": fps,
-        "frames": len(made.crossings) - 1,
-        "seconds": made.simulated_seconds,
-        "steps": made.steps,
+        "fps": motion.fps,
+        "frames": max(len(made.crossings) - 1 - lead, 0),
+        "seconds": max(made.simulated_seconds - lead / motion.fps, 0.0),
+        "steps": made.steps - lead_steps,
+        "lead_in": {"frames": lead, "seconds": lead / motion.fps, "steps": lead_steps} if lead else None,
         "retries": made.retries,
         "steps_kept_unsolved": made.forced,
         "newton_iterations": made.newton_iterations,

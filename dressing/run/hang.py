@@ -21,20 +21,19 @@ from toile.dressing.run.kernels import (
     REMESH_KERNELS,
     load_kernels,
 )
+from toile.dressing.run.lead_in import HANGING, led_in
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.load_garment import load_garment, pinned_vertices
 from toile.dressing.run.report import RunSpent, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
-from toile.dressing.run.scene import MannequinSize
+from toile.dressing.run.scene import AvatarFile, MannequinSize
 from toile.dressing.run.scene_avatar import load_dress_form
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import Spent, now, together
 
-HANGING = np.radians(65.0)
-"""Arms that are lower than this leave sleeves little room [rad]."""
 MOST_RETRIED = 8e5
 """Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""
 LAST_WORK, LAST_PER_FACE = 1e6, 300
@@ -62,7 +61,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     """
     started = now()
     avatar, form = load_dress_form(scene.avatar, scene.measurements)
-    for note in (*avatar.notes, *form.notes):
+    avatar, form, led = _led_in(scene, avatar, form)
+    for note in (*avatar.notes, *form.notes, *led):
         listener.say(f"{avatar.name}: {note}")
     for note in _doubts(scene, form):
         listener.say(f"{avatar.name}: {note}")
@@ -97,14 +97,28 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     )  # fmt: skip
 
 
-def _doubts(scene: ResolvedScene, form: DressForm) -> Iterator[str]:
-    """Say at once what may stand in the way of sewing: a pose in which sleeves find no room."""
-    sewn = any(
+def _is_sewn(scene: ResolvedScene) -> bool:
+    """Whether a garment of the scene is sewn of panels."""
+    return any(
         isinstance(garment.source, str)
         or (isinstance(garment.source, Path) and garment.source.suffix.lower() == ".json")
         for garment in scene.garments
     )
-    if not sewn or isinstance(scene.avatar, MannequinSize):
+
+
+def _led_in(
+    scene: ResolvedScene, avatar: Avatar, form: DressForm
+) -> tuple[Avatar, DressForm, tuple[str, ...]]:
+    """Return the avatar and its form as its garments are put on, and a sentence where a lead-in was made."""
+    if not isinstance(scene.avatar, AvatarFile):
+        return avatar, form, ()
+    avatar, form, why = led_in(scene.avatar, avatar, form, _is_sewn(scene))
+    return avatar, form, () if why is None else (why,)
+
+
+def _doubts(scene: ResolvedScene, form: DressForm) -> Iterator[str]:
+    """Say at once what may stand in the way of sewing: a pose in which sleeves find no room."""
+    if not _is_sewn(scene) or isinstance(scene.avatar, MannequinSize):
         return
     found = form.measured
     if isinstance(found, InputError):

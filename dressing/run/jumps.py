@@ -13,9 +13,9 @@ def jump_of(avatar: Avatar) -> str | None:
     for frame in range(len(motion.frames) - 1):
         speed, vertex = motion.speed(frame * span, span)
         if speed > FilmPlan.speed_max:
-            rest = "leave out frame 0 if it is a rest pose, or " if frame == 0 else ""
+            rest = "leave out frame 0 if it is a rest pose, or " if frame == 0 and not motion.lead else ""
             return (
-                f"the body jumps after frame {frame}: its vertex {vertex} moves {speed * span:.2f} m in "
-                f"{span:.3g} s; the film will end there: {rest}give more frames in between"
+                f"the body jumps after {motion.name(frame)}: its vertex {vertex} moves {speed * span:.2f} m "
+                f"in {span:.3g} s; the film will end there: {rest}give more frames in between"
             )
     return None

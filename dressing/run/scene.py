@@ -18,6 +18,9 @@ from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.remesh.sizing.sizing import SizingOptions
 
+OFF = "off"
+"""The `lead_in` of an avatar that has none."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class AvatarFile:
@@ -39,6 +42,9 @@ class AvatarFile:
         Time of its motion at which it stands still [s], or None: it moves.
     clip
         Name of the animation of a glTF file; None takes the first.
+    lead_in
+        Length of a motion [s] that leads from the rest pose of its skeleton, in which garments are sewn, into
+        a glTF clip; "off" makes none; None makes one of 1 s where sleeves could not be sewn without.
     """
 
     path: Path
@@ -50,6 +56,7 @@ class AvatarFile:
     fps: float | None = None
     time: float | None = None
     clip: str | None = None
+    lead_in: float | str | None = None
 
     def __post_init__(self) -> None:
         """Accept a path that is a string, and one name for a list of names."""

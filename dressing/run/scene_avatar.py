@@ -43,7 +43,7 @@ def _read(file: AvatarFile) -> Avatar:
                 file.path, time=file.time, reading=file.reading, fps=file.fps, clip=file.clip
             )
         return load_animated_avatar(file.path, reading=file.reading, fps=file.fps, clip=file.clip)
-    for field in ("fps", "time", "clip"):
+    for field in ("fps", "time", "clip", "lead_in"):
         if getattr(file, field) is not None:
             raise InputError(
                 f"{file.path}: {field} is for an avatar that moves; give an .npz, an animated .glb or a "

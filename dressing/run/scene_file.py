@@ -74,20 +74,17 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "eddies": (NUMBER, "size of gusts [m], default 2"),
         "seed": (int, "which gusts, default 0"),
         "drag": (NUMBER, "drag coefficient of cloth across the flow, default 1"),
-        "lift": (
-            NUMBER,
-            "lift coefficient, from 0 (drag only) to that of drag (pressure only), default 1",
-        ),
+        "lift": (NUMBER, "lift coefficient, from 0 (drag only) to that of drag, default 1"),
     },
     "avatar": {
-        "file": (
-            str,
-            "OBJ, PLY, STL, GLB, VRM, USD, VTU, VTK, XDMF, INP or MSH; one that moves: .npz, animated .glb "
-            "or .usd, folder",
-        ),
+        "file": (str, "OBJ PLY STL GLB VRM USD VTU VTK XDMF INP MSH; one that moves: .npz .glb .usd, folder"),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
         "time": (NUMBER, "time at which a moving body stands still [s] (default: it moves)"),
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
+        "lead_in": (
+            (int, float, str),
+            "motion from the rest pose into the clip [s], or off (default: if needed)",
+        ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
         "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
@@ -95,7 +92,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "without": (list, "names of parts that are not (hair, lashes, helpers, floors: recognised)"),
         "measurements": (
             (str, dict),
-            "file of measurements, or table of them [cm, degrees], used instead of those toile takes",
+            "file or table [cm, degrees] of those used instead of what toile takes",
         ),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
@@ -134,7 +131,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Table name to key to (accepted types, meaning)."""
-FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip")
+FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in")
 """Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
 

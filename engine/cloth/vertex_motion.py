@@ -20,15 +20,22 @@ class VertexMotion:
         Positions [m], shape (k, v, 3), k at least 2.
     fps
         Frames per second.
+    lead
+        Frames of a lead-in: the film begins after them, at its frame 0.
     """
 
     frames: npt.NDArray[np.floating]
     fps: float
+    lead: int = 0
 
     @property
     def seconds(self) -> float:
         """Time from the first frame to the last [s]."""
         return (len(self.frames) - 1) / self.fps
+
+    def name(self, index: int) -> str:
+        """Return what messages call a frame: its number in the film, or in the lead-in, in words."""
+        return f"frame {index - self.lead}" if index >= self.lead else f"frame {index} of the lead-in"
 
     def pose(self, index: int) -> Float:
         """Positions at a frame [m], shape (v, 3)."""

@@ -158,11 +158,15 @@ class Simulation(ClothRun):
                 self._driven_speed = speed
             if speed > self.plan.speed_max:
                 self.record.failure = (
-                    f"{name} after frame {len(self.record.crossings) - 1}: {point} {number} moves "
+                    f"{name} after {self._called(len(self.record.crossings) - 1)}: {point} {number} moves "
                     f"{speed * self.plan.frame_seconds:.2f} m in {self.plan.frame_seconds:.3g} s; give more "
                     "frames in between, or start a new scene there"
                 )
         return bool(self.record.failure)
+
+    def _called(self, index: int) -> str:
+        """Return what messages call a frame."""
+        return f"frame {index}" if self.motion is None else self.motion.name(index)
 
     def _remesh(self) -> bool:
         """Adapt the mesh to the cloth's shape and motion, where the plan says so and both have changed.
@@ -259,7 +263,7 @@ class Simulation(ClothRun):
         if lag > plan.lag_max:
             self.record.failure = (
                 f"cloth holds {'the avatar' if pins is None else 'avatar or pins'} back by "
-                f"{1e3 * lag:.0f} mm in frame {len(self.record.crossings)} near ({place[0]:.2f}, "
+                f"{1e3 * lag:.0f} mm in {self._called(len(self.record.crossings))} near ({place[0]:.2f}, "
                 f"{place[1]:.2f}, {place[2]:.2f}) m: it is caught where it cannot give way"
             )
         self._lag = lag

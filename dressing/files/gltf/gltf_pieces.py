@@ -28,6 +28,8 @@ class GltfPiece:
 
     Attributes
     ----------
+    number
+        Number of the node.
     node
         Name of the node, of its mesh where it has none, or "" .
     material
@@ -40,6 +42,7 @@ class GltfPiece:
         Texture coordinates of the vertices with v upwards, shape (v, 2), or None.
     """
 
+    number: int
     node: str
     material: str
     frames: npt.NDArray[np.floating]
@@ -125,7 +128,9 @@ def _instances(
                 blended = (skin @ _of(bones, k)[:, :3].reshape(-1, 12)).reshape(-1, 3, 4)
                 frames[k] = np.einsum("vij,vj->vi", blended[:, :, :3], shape) + blended[:, :, 3]
         mirrored = skin is None and np.linalg.det(where[0, :3, :3]) < 0.0
-        pieces.append(GltfPiece(frames=frames, faces=faces[:, ::-1] if mirrored else faces, uv=uv, **names))
+        pieces.append(
+            GltfPiece(number=node, frames=frames, faces=faces[:, ::-1] if mirrored else faces, uv=uv, **names)
+        )
     return pieces
 
 

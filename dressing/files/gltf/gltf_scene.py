@@ -125,7 +125,7 @@ class GltfScene:
 
     def _local(self, node: int, entry: dict[str, Any]) -> Float:
         """Place of a node relative to its parent over time, shape (k or 1, 4, 4)."""
-        if "matrix" in entry:
+        if "matrix" in entry and not any((node, path) in self._channels for path in AT_REST):
             matrix = np.array(entry["matrix"], np.float64).reshape(1, 4, 4).swapaxes(1, 2)
             if not np.isfinite(matrix).all():
                 raise self.file.error(f"nodes[{node}].matrix is not finite")
