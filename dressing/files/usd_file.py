@@ -29,12 +29,32 @@ def read_usd(path: Path) -> MovingSurface:
     if not path.is_file():
         raise InputError(f"{path}: avatar file not found; check the path", file=path)
     try:
-        from pxr import UsdGeom
+        from pxr import Tf
     except ImportError:
         raise InputError(
             f"{path}: USD files need usd-core (pip install 'toile[usd]'); or export the body as .glb",
             file=path,
         ) from None
+    try:
+        return _read(path)
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as USD ({_reason(error)}); export it again", file=path
+        ) from None
+
+
+def _reason(error: Exception) -> str:
+    """Return the end of a message of USD in one line; it quotes the file, which may not even be text."""
+    try:
+        return " ".join(str(error).split())[-120:]
+    except UnicodeDecodeError:
+        return "it is damaged: not UTF-8"
+
+
+def _read(path: Path) -> MovingSurface:
+    """Return what `read_usd` does, with errors of USD's own."""
+    from pxr import UsdGeom
+
     stage = _opened(path)
     meshes = [prim for prim in stage.Traverse() if _is_shown(prim)]
     if not meshes:
@@ -60,17 +80,13 @@ def read_usd(path: Path) -> MovingSurface:
 
 def _opened(path: Path) -> "Usd.Stage":
     """Return the stage with its skeletons baked into points."""
-    from pxr import Tf, Usd, UsdSkel
+    from pxr import Usd, UsdSkel
 
-    try:
-        stage = Usd.Stage.Open(str(path))
-        if any(prim.IsA(UsdSkel.Root) for prim in stage.Traverse()):
-            # The file itself must not be written to.
-            stage = Usd.Stage.Open(stage.Flatten())
-            UsdSkel.BakeSkinning(stage.Traverse())
-    except Tf.ErrorException as error:
-        reason = " ".join(str(error).split())[-120:]
-        raise InputError(f"{path}: cannot be read as USD ({reason}); export it again", file=path) from None
+    stage = Usd.Stage.Open(str(path))
+    if any(prim.IsA(UsdSkel.Root) for prim in stage.Traverse()):
+        # The file itself must not be written to.
+        stage = Usd.Stage.Open(stage.Flatten())
+        UsdSkel.BakeSkinning(stage.Traverse())
     return stage
 
 

@@ -188,6 +188,7 @@ MUTATIONS: dict[str, tuple[Any, ...]] = {
     ".ply": (words_changed, bytes_changed, bytes_changed),
     ".glb": (glb_changed, glb_changed, glb_changed, bytes_changed),
     ".vrm": (glb_changed, glb_changed, glb_changed, bytes_changed),
+    ".usda": (words_changed, words_changed, bytes_changed),
     ".dxf": (words_changed, words_changed, bytes_changed),
     ".svg": (words_changed, words_changed, bytes_changed),
     ".gltf": (json_changed, json_changed, json_changed, words_changed),
