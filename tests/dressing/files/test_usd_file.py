@@ -106,6 +106,9 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     (tmp_path / "bad.usda").write_text("no")
     with pytest.raises(InputError, match=r"bad\.usda: cannot be read as USD"):
         read_usd(tmp_path / "bad.usda")
+    (tmp_path / "damaged.usda").write_bytes(b'#usda 1.0\ndef Mesh "\xff" { }}')
+    with pytest.raises(InputError, match=r"damaged\.usda: cannot be read as USD \(it is damaged"):
+        read_usd(tmp_path / "damaged.usda")
     empty = Usd.Stage.CreateNew(str(tmp_path / "empty.usda"))
     empty.GetRootLayer().Save()
     with pytest.raises(InputError, match=r"empty\.usda: holds no mesh that is shown"):
