@@ -80,7 +80,7 @@ def json_changed(data: bytes, random_: random.Random) -> bytes:
     """Replace, drop or repeat a value somewhere in a JSON document."""
     try:
         document = json.loads(data)
-    except ValueError:
+    except (ValueError, RecursionError):
         return bytes_changed(data, random_)
     return json.dumps(tree_changed(document, random_)).encode()
 
@@ -129,7 +129,7 @@ def glb_changed(data: bytes, random_: random.Random) -> bytes:
     try:
         size = struct.unpack_from("<I", data, 12)[0]
         document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
-    except (ValueError, struct.error):
+    except (ValueError, RecursionError, struct.error):
         return bytes_changed(data, random_)
     if random_.random() < 0.7:
         document = tree_changed(document, random_)

@@ -148,7 +148,10 @@ def drawing(body: str, root: str = 'width="100mm" viewBox="0 0 100 100" freesewi
         (drawing('<path class="fabric" d="M 0,0 L 5"/>'), "lacks numbers"),
         (drawing('<path class="fabric" d="M 0,0 L 1e999,0 L 0,9 z"/>'), "a coordinate that is not finite"),
         (drawing('<path class="fabric" d=""/>'), "its outline draws nothing"),
-        (drawing(SQUARE + '<path marker-start="url(#cutonfoldFrom)" d="M 0,9 L 0,9"/>'), "fold line has no length"),
+        (
+            drawing(SQUARE + '<path marker-start="url(#cutonfoldFrom)" d="M 0,9 L 0,9"/>'),
+            "fold line has no length",
+        ),
         (drawing(SQUARE + '<use href="#notch" x="9mm"/>'), "a notch lies at x='9mm'"),
         ('<?xml version="1.0" encoding="latin9000"?>' + drawing(SQUARE), "unknown encoding"),
         ('<?xml version="1.0" encoding="hex"?>' + drawing(SQUARE), "not a valid SVG"),
