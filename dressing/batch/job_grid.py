@@ -1,6 +1,7 @@
 """Jobs from lists: every garment on every body in every fabric."""
 
 import glob
+import os
 from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
@@ -104,10 +105,10 @@ def _matches(pattern: str) -> list[str]:
 
     What exists by its very name is meant by it.
     """
-    if Path(pattern).exists():
+    if os.path.exists(pattern):
         return [pattern]
     parts = Path(pattern).parts
-    known = next(k for k in range(len(parts), -1, -1) if Path(*parts[:k]).exists())
+    known = next(k for k in range(len(parts), -1, -1) if os.path.exists(Path(*parts[:k])))
     rest = parts[known:]
     folder = [glob.escape(part) for part in parts[:known]]
     literal = [part.replace("[", "[[]") for part in rest]

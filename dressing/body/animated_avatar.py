@@ -17,6 +17,7 @@ from toile.dressing.files.gltf.gltf_file import has_animation
 from toile.dressing.files.gltf.gltf_lead_in import read_lead_in
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
 from toile.dressing.files.moving_file import MovingSurface, read_folder_motion, read_npz_motion
+from toile.dressing.files.on_disk import is_folder
 from toile.dressing.files.read_surface import GLTF
 from toile.dressing.files.usd_file import FORMATS as USD
 from toile.dressing.files.usd_file import read_usd
@@ -37,7 +38,7 @@ def is_animated(path: Path) -> bool:
     """Whether a path names what `load_animated_avatar` reads."""
     return (
         path.suffix.lower() in (".npz", *USD)
-        or path.is_dir()
+        or is_folder(path)
         or (path.suffix.lower() in GLTF and has_animation(path))
     )
 
@@ -79,7 +80,7 @@ def load_animated_avatar(
         reading = _completed(reading, moving)
         if len(moving.frames) > 1:
             return _moving_avatar(path, moving, reading, fps)
-        if path.is_dir():
+        if is_folder(path):
             raise InputError(
                 f"{path}: a motion needs at least two frames, got 1; give the mesh instead", file=path
             )
@@ -158,7 +159,7 @@ def _completed(reading: Reading, moving: MovingSurface) -> Reading:
 
 def _is_gltf(path: Path) -> bool:
     """Whether a path names a glTF file."""
-    return not path.is_dir() and path.suffix.lower() in GLTF
+    return not is_folder(path) and path.suffix.lower() in GLTF
 
 
 def _check_words(path: Path, reading: Reading, fps: float | None, clip: str | None) -> None:
@@ -172,7 +173,7 @@ def _check_words(path: Path, reading: Reading, fps: float | None, clip: str | No
 
 def _read_frames(path: Path) -> MovingSurface:
     """Return the frames of an .npz or USD file or a folder."""
-    if path.is_dir():
+    if is_folder(path):
         return read_folder_motion(path)
     return read_usd(path) if path.suffix.lower() in USD else read_npz_motion(path)
 

@@ -81,6 +81,7 @@ def _length(text: str) -> float:
 
 def _run_pattern(options: argparse.Namespace) -> int:
     """Print what a pattern holds; write its picture or convert it."""
+    from toile.dressing.files.on_disk import is_file
     from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions
 
     path: Path = options.pattern
@@ -89,7 +90,7 @@ def _run_pattern(options: argparse.Namespace) -> int:
         raise InputError(f"{output}: write a picture (.svg) or GarmentCode (.json)", file=output)
     if options.draft is not None:
         _draft(options.draft, options.measurements, options.packages, path)
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: no such pattern file; check the path", file=path)
     drawn = DrawnOptions(
         size=options.size, units=options.pattern_units, allowance=options.allowance, seams=options.seams
@@ -138,6 +139,7 @@ def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar
     """Print the pieces and seams of a drawn pattern, and what is open."""
     from dataclasses import replace
 
+    from toile.dressing.files.on_disk import is_file
     from toile.dressing.pattern.drawn.drawing import drawn_svg
     from toile.dressing.pattern.drawn.read_drawn import read_drawn, told, told_or_sure, write_suggestions
     from toile.dressing.pattern.drawn.seams_file import seams_file_of
@@ -157,7 +159,7 @@ def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar
         suggestions = suggest_seams(drawn)
         drawn, questions = replace(drawn, seams=suggestions.sure), (*suggestions.questions, *left)
         file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
-        if not file.exists():
+        if not is_file(file):
             write_suggestions(drawn, suggestions, file)
             print(f"wrote {file} and {file.with_suffix('.svg').name}")
     for piece in drawn.pieces:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from toile.dressing.files.corner_surface import Surface, triangle_surface
 from toile.dressing.files.npz_file import npz_arrays
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.read_surface import FORMATS, read_surface
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.dressing.files.unknown_format import foreign_npz
@@ -51,7 +52,7 @@ class MovingSurface:
 
 def read_npz_motion(path: Path) -> MovingSurface:
     """Return the one or many frames of an .npz file. Raises InputError naming what is missing."""
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: avatar file not found; check the path", file=path)
     held = npz_arrays(path, "the motion")
     name, face_name = (next((key for key in names if key in held), None) for names in (VERTICES, FACES))

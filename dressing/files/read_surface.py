@@ -8,6 +8,7 @@ from toile.dressing.files.corner_surface import MeshFile, Surface, triangle_surf
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
 from toile.dressing.files.meshio_file import read_mesh_file
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.read_obj import read_obj
 from toile.dressing.files.read_ply import read_ply
 from toile.geometry.arrays import Float
@@ -35,7 +36,7 @@ def read_surface(path: Path, what: str, shape: Float | None = None) -> MeshFile:
     InputError
         If the file is missing or cannot be read.
     """
-    if not path.is_file():
+    if not is_file(path):
         kind = "avatar" if what == "the body" else "garment"
         raise InputError(f"{path}: {kind} file not found; check the path", file=path)
     if not path.stat().st_size:

@@ -4,9 +4,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.moving_file import MovingSurface
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.surface_check import check_vertex_numbers
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -26,21 +28,49 @@ def read_usd(path: Path) -> MovingSurface:
 
     Raises InputError if the file cannot be read, holds no mesh, or a mesh changes its faces.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: avatar file not found; check the path", file=path)
     try:
-        from pxr import UsdGeom
+        from pxr import Tf
     except ImportError:
         raise InputError(
             f"{path}: USD files need usd-core (pip install 'toile[usd]'); or export the body as .glb",
             file=path,
         ) from None
+    try:
+        return _read(path)
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as USD ({_reason(error)}); export it again", file=path
+        ) from None
+
+
+def _reason(error: Exception) -> str:
+    """Return the end of a message of USD in one line; it quotes the file, which may not even be text."""
+    try:
+        return " ".join(str(error).split())[-120:]
+    except UnicodeDecodeError:
+        return "it is damaged: not UTF-8"
+
+
+def _read(path: Path) -> MovingSurface:
+    """Return what `read_usd` does, with errors of USD's own."""
+    from pxr import UsdGeom
+
     stage = _opened(path)
     meshes = [prim for prim in stage.Traverse() if _is_shown(prim)]
     if not meshes:
         raise InputError(f"{path}: holds no mesh that is shown; export the body as a mesh", file=path)
     times = _times(path, stage, meshes)
-    frames = np.stack([_points(path, meshes, time) for time in times])
+    points = [_points(path, meshes, time) for time in times]
+    other = next((index for index, own in enumerate(points) if len(own) != len(points[0])), None)
+    if other is not None:
+        raise InputError(
+            f"{path}: frame {other} has {len(points[other])} points, the first {len(points[0])}; a body "
+            "keeps its mesh while it moves",
+            file=path,
+        )
+    frames = np.stack(points)
     bad = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
     if len(bad):
         raise InputError(
@@ -60,17 +90,13 @@ def read_usd(path: Path) -> MovingSurface:
 
 def _opened(path: Path) -> "Usd.Stage":
     """Return the stage with its skeletons baked into points."""
-    from pxr import Tf, Usd, UsdSkel
+    from pxr import Usd, UsdSkel
 
-    try:
-        stage = Usd.Stage.Open(str(path))
-        if any(prim.IsA(UsdSkel.Root) for prim in stage.Traverse()):
-            # The file itself must not be written to.
-            stage = Usd.Stage.Open(stage.Flatten())
-            UsdSkel.BakeSkinning(stage.Traverse())
-    except Tf.ErrorException as error:
-        reason = " ".join(str(error).split())[-120:]
-        raise InputError(f"{path}: cannot be read as USD ({reason}); export it again", file=path) from None
+    stage = Usd.Stage.Open(str(path))
+    if any(prim.IsA(UsdSkel.Root) for prim in stage.Traverse()):
+        # The file itself must not be written to.
+        stage = Usd.Stage.Open(stage.Flatten())
+        UsdSkel.BakeSkinning(stage.Traverse())
     return stage
 
 
@@ -111,10 +137,22 @@ def _points(path: Path, meshes: "list[Usd.Prim]", time: Any) -> Float:
     places = UsdGeom.XformCache(time)
     points = []
     for prim in meshes:
-        local = np.asarray(UsdGeom.Mesh(prim).GetPointsAttr().Get(time) or (), np.float64).reshape(-1, 3)
+        local = _rows(path, UsdGeom.Mesh(prim).GetPointsAttr(), time, np.float64, 3)
         world = np.asarray(places.GetLocalToWorldTransform(prim), np.float64)
         points.append(local @ world[:3, :3] + world[3, :3])
     return np.concatenate(points)
+
+
+def _rows(path: Path, attribute: Any, time: Any, kind: type[np.generic], width: int) -> npt.NDArray[Any]:
+    """Return the values of an attribute at a time, shape (n, width); files may declare it as another type."""
+    try:
+        return np.asarray(attribute.Get(time) or (), kind).reshape(-1, width)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{path}: {attribute.GetPath()} is not the array of numbers that it is in meshes; "
+            "export it again",
+            file=path,
+        ) from None
 
 
 def _surface(path: Path, meshes: "list[Usd.Prim]", time: Any, positions: Float) -> Surface:
@@ -130,9 +168,9 @@ def _surface(path: Path, meshes: "list[Usd.Prim]", time: Any, positions: Float) 
             raise InputError(
                 f"{path}: {prim.GetName()} changes its faces; a body keeps its mesh while it moves", file=path
             )
-        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(time) or (), np.int64)
-        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(time) or (), np.int64)
-        here = len(mesh.GetPointsAttr().Get(time) or ())
+        counts = _rows(path, mesh.GetFaceVertexCountsAttr(), time, np.int64, 1).ravel()
+        indices = _rows(path, mesh.GetFaceVertexIndicesAttr(), time, np.int64, 1).ravel()
+        here = len(_rows(path, mesh.GetPointsAttr(), time, np.float64, 3))
         if counts.sum() != len(indices) or (counts < 0).any():
             raise InputError(
                 f"{path}: {prim.GetName()}: faces and their counts differ; export it again", file=path

@@ -12,6 +12,7 @@ from toile.dressing.body.avatar_units import METRES_PER_UNIT, upright
 from toile.dressing.body.place import ROOM, Place
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.read_surface import read_surface
 from toile.dressing.files.surface_check import checked_surface, crowded_faces
 from toile.dressing.files.surface_mend import mended_surface, named
@@ -82,7 +83,7 @@ def read_mesh_garment(
             f"{path}: unknown garment format '{path.suffix}'; use .json, {', '.join(FORMATS)}", file=path
         )
     if path.suffix.lower() == ".npz":
-        if not path.is_file():
+        if not is_file(path):
             raise InputError(f"{path}: garment file not found; check the path", file=path)
         from toile.dressing.garment.npz_garment import read_npz_garment
 

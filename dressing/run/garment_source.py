@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.readers import garment_formats
@@ -22,7 +23,7 @@ def checked_source(garment: Garment) -> GarmentSource:
         return name
     path = Path(source)
     with about(garment=default_name(garment), field="source"):
-        if not path.suffix and not path.exists():
+        if not path.suffix and not is_file(path):
             known = unknown_name("garment", str(source), built_in_names())
             raise InputError(f"{known} (a pattern or mesh file needs its extension)")
         with about(file=path):
@@ -35,7 +36,7 @@ def _check_file(path: Path) -> None:
     if path.suffix.lower() not in garment_formats():
         kind = path.suffix or "(no extension)"
         raise InputError(f"{path}: unknown garment format '{kind}'; use {', '.join(garment_formats())}")
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: garment file not found; check the path")
     if not path.stat().st_size:
         raise InputError(f"{path}: the file is empty; export the garment again")

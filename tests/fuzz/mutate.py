@@ -80,7 +80,7 @@ def json_changed(data: bytes, random_: random.Random) -> bytes:
     """Replace, drop or repeat a value somewhere in a JSON document."""
     try:
         document = json.loads(data)
-    except ValueError:
+    except (ValueError, RecursionError):
         return bytes_changed(data, random_)
     return json.dumps(tree_changed(document, random_)).encode()
 
@@ -129,7 +129,7 @@ def glb_changed(data: bytes, random_: random.Random) -> bytes:
     try:
         size = struct.unpack_from("<I", data, 12)[0]
         document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
-    except (ValueError, struct.error):
+    except (ValueError, RecursionError, struct.error):
         return bytes_changed(data, random_)
     if random_.random() < 0.7:
         document = tree_changed(document, random_)
@@ -188,6 +188,7 @@ MUTATIONS: dict[str, tuple[Any, ...]] = {
     ".ply": (words_changed, bytes_changed, bytes_changed),
     ".glb": (glb_changed, glb_changed, glb_changed, bytes_changed),
     ".vrm": (glb_changed, glb_changed, glb_changed, bytes_changed),
+    ".usda": (words_changed, words_changed, bytes_changed),
     ".dxf": (words_changed, words_changed, bytes_changed),
     ".svg": (words_changed, words_changed, bytes_changed),
     ".gltf": (json_changed, json_changed, json_changed, words_changed),

@@ -5,6 +5,7 @@ import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -15,7 +16,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from tests.dressing.files.gltf_writer import Glb
-from tests.fuzz import bodies, drawn, garments
+from tests.fuzz import drawn, garments, measured
+from tests.fuzz.usd_text import usds
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import load_avatar
@@ -233,7 +235,7 @@ READERS: dict[str, Reader] = {
     "dxf": Reader(drawn.dxfs, (drawn.drawn, drawn.drawn_in_a_size)),
     "svg": Reader(drawn.svgs, (drawn.drawn,)),
     "seams": Reader(drawn.seams, (drawn.seams_file,)),
-    "measurements": Reader(bodies.measurements, (bodies.measured_body,)),
+    "measurements": Reader(measured.measurements, (measured.measured_body,)),
     "placed": Reader(garments.placed_patterns, (garments.placed_pattern,)),
     "dirty": Reader(garments.dirty_meshes, (garments.one_layer, garments.two_layers)),
     "obj": Reader(objs, MESH),
@@ -243,6 +245,10 @@ READERS: dict[str, Reader] = {
     "npz": Reader(npzs, (moving_body, MESH[1])),
     "vtu": Reader(vtus, MESH),
 }  # fmt: skip
+
+
+if find_spec("pxr") is not None:
+    READERS["usd"] = Reader(lambda: usds(body()), (moving_body,))
 
 
 @cache

@@ -16,6 +16,7 @@ from urllib.parse import unquote, unquote_to_bytes
 import numpy as np
 import numpy.typing as npt
 
+from toile.dressing.files.on_disk import is_file
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
@@ -78,7 +79,7 @@ class GltfFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        if not path.is_file():
+        if not is_file(path):
             raise InputError(f"{path}: file not found; check the path", file=path)
         data = path.read_bytes()
         text, self._chunk = self._chunks(data) if data[:4] == MAGIC else (data, None)

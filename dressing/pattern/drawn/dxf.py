@@ -171,7 +171,7 @@ def _piece(
     layers: dict[str, list[Entity]] = {}
     for entity in block.entities:
         layers.setdefault(entity.layer, []).append(entity)
-    mirror = _mirror_line(layers, metres)
+    mirror = _mirror_line(where, layers, metres)
     cut = _loop(where, _chains(layers, CUT), metres, mirror, _points(layers, TURN) * metres)
     sew, sew_layer = _sew_line(where, layers, metres, mirror, cut)
     if sew is None and allowance is None:
@@ -311,9 +311,11 @@ def _sew_line(
     return None, ""
 
 
-def _mirror_line(layers: dict[str, list[Entity]], metres: float) -> Float | None:
-    lines = [e.points * metres for e in layers.get(MIRROR, []) if len(e.points) > 1]
-    return lines[0][[0, -1]] if lines else None
+def _mirror_line(where: str, layers: dict[str, list[Entity]], metres: float) -> Float | None:
+    lines = [e.points[[0, -1]] * metres for e in layers.get(MIRROR, []) if len(e.points) > 1]
+    if lines and not np.ptp(lines[0], axis=0).any():
+        raise InputError(f"{where}: its mirror line has no length; remove it or draw it again")
+    return lines[0] if lines else None
 
 
 def _is_pair(quantity: str) -> bool:

@@ -95,9 +95,13 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
     paths = [
         (e, flat_path(e.get("d", ""), where) * [metres, -metres]) for e in group.iter() if _tag(e) == "path"
     ]
+    if not any(e.get("class") == "fabric" for e, _ in paths):
+        return None
+    # What draws nothing is no fault, unless it is all there is.
+    paths = [(e, points) for e, points in paths if len(points) > 1]
     fabric = [points for e, points in paths if e.get("class") == "fabric"]
     if not fabric:
-        return None
+        raise InputError(f"{where} has no area: its outline draws nothing; draft the pattern again")
     outlines = [without_repeats(points) for points in fabric]
     largest = max(range(len(outlines)), key=lambda n: abs(_area(outlines[n])))
     outline = outlines[largest]
@@ -109,6 +113,8 @@ def _piece(file: str, group: ElementTree.Element, name: str, metres: float) -> P
     edges = cut_at_corners(outline)
     marker = {e.get("marker-start", ""): points for e, points in paths}
     on_fold = marker.get("url(#cutonfoldFrom)")
+    if on_fold is not None and not np.ptp(on_fold[[0, -1]], axis=0).any():
+        raise InputError(f"{where}: its fold line has no length; draft the pattern again")
     fold = None if on_fold is None else edge_on_line(edges, on_fold[[0, -1]])
     grain = marker.get("url(#grainlineFrom)", on_fold)
     signs = [

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.writers.atomic import write_atomic
 from toile.dressing.pattern.drawn.drawing import drawn_svg
 from toile.dressing.pattern.drawn.dxf import read_dxf_pattern
@@ -46,7 +47,7 @@ def told(path: Path, options: DrawnOptions) -> Told:
     drawn = read_drawn(path, options)
     file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
     said = Told(drawn, {})
-    if isinstance(options.seams, Path) or file.is_file():
+    if isinstance(options.seams, Path) or is_file(file):
         said = apply_seams_file(drawn, file)
     if isinstance(options.seams, tuple):
         seams = tuple(read_seam(text, f"{path.name}: seams") for text in options.seams)
@@ -69,7 +70,7 @@ def told_or_sure(path: Path, options: DrawnOptions) -> Told:
         return said
     suggestions = suggest_seams(said.drawn)
     file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
-    if not file.exists():
+    if not is_file(file):
         write_suggestions(said.drawn, suggestions, file)
     if suggestions.questions:
         shown = "; ".join(suggestions.questions[:SHOWN_QUESTIONS])

@@ -17,8 +17,8 @@ _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "Q": 4, "Z": 0}
 def flat_path(d: str, where: str) -> Float:
     """Return the points of the first subpath of a path, curves spaced evenly in length, shape (n, 2).
 
-    Raises InputError, beginning with `where`, for commands other than M, L, H, V, C, Q and Z, for what draws
-    no line, and for coordinates that are not finite.
+    Raises InputError, beginning with `where`, for commands other than M, L, H, V, C, Q and Z and for
+    coordinates that are not finite.
     """
     tokens = _TOKEN.findall(d)
     points: list[Float] = []
@@ -41,8 +41,6 @@ def flat_path(d: str, where: str) -> Float:
         here = points[-1] if points else np.zeros(2)
         _go(points, kind, numbers, here, relative=command.islower())
         command = {"M": "L", "m": "l"}.get(command, command)
-    if len(points) < 2:
-        raise InputError(f"{where}: a path draws no line; remove it, or save the drawing again")
     drawn = np.array(points).reshape(-1, 2)
     if not np.isfinite(drawn).all():
         raise InputError(f"{where}: a path has a coordinate that is not finite; save the drawing again")

@@ -106,6 +106,12 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     (tmp_path / "bad.usda").write_text("no")
     with pytest.raises(InputError, match=r"bad\.usda: cannot be read as USD"):
         read_usd(tmp_path / "bad.usda")
+    (tmp_path / "damaged.usda").write_bytes(b'#usda 1.0\ndef Mesh "\xff" { }}')
+    with pytest.raises(InputError, match=r"damaged\.usda: cannot be read as USD \(it is damaged"):
+        read_usd(tmp_path / "damaged.usda")
+    (tmp_path / "text.usda").write_text('#usda 1.0\ndef Mesh "m"\n{\n    string points = "many"\n}\n')
+    with pytest.raises(InputError, match=r"text\.usda: /m\.points is not the array of numbers"):
+        read_usd(tmp_path / "text.usda")
     empty = Usd.Stage.CreateNew(str(tmp_path / "empty.usda"))
     empty.GetRootLayer().Save()
     with pytest.raises(InputError, match=r"empty\.usda: holds no mesh that is shown"):
@@ -116,6 +122,19 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
         mesh.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(np.ascontiguousarray(faces).ravel()), code)
     stage.GetRootLayer().Save()
     with pytest.raises(InputError, match=r"grows\.usda: skin changes its faces"):
+        read_usd(tmp_path / "grows.usda")
+
+
+def test_points_that_change_their_number_are_refused(tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "grows.usda"))
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(1)
+    mesh = add_mesh(stage, "/skin", BODY.vertices, BODY.faces)
+    for code, count in ((0, len(BODY.vertices)), (1, len(BODY.vertices) + 1)):
+        points = np.resize(BODY.vertices, (count, 3)).astype(np.float32)
+        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), code)
+    stage.GetRootLayer().Save()
+    with pytest.raises(InputError, match=r"frame 1 has \d+ points, the first \d+"):
         read_usd(tmp_path / "grows.usda")
 
 

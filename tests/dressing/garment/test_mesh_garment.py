@@ -134,6 +134,7 @@ def test_inconsistent_winding_follows_the_majority(tmp_path: Path) -> None:
     [
         ("", "no faces"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
+        ("v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", r"vertex 0 lies 1e\+300 m from the origin"),
         ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 vertices are not finite"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: index 9 of 3"),
         ("v 0 0 0\nv 1 0 x\n", "line 2"),

@@ -97,6 +97,12 @@ def refused_pattern(refused: Refused, spoil: Callable[[Document], Any]) -> str:
     ("arguments", "message"),
     [
         (["--garment", "gone.obj"], "gone.obj: garment file not found; check the path"),
+        (["--garment", 300 * "x" + ".obj"], "xxx.obj: garment file not found; check the path"),
+        (["--garment", 300 * "x"], "unknown garment 'xxx"),
+        (
+            ["--garment", "tube.obj", "--avatar", 300 * "x" + ".glb"],
+            "xxx.glb: avatar file not found; check the path",
+        ),
         (["--garment", "gone_specification.json"], "gone_specification.json: garment file not found; check"),
         (
             ["--garment", "tube.obj", "--avatar", "gone.ply"],

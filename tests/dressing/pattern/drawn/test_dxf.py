@@ -113,12 +113,15 @@ def test_ezdxf_sees_the_same_points() -> None:
     assert ours == pytest.approx(lengths, abs=1e-4)
 
 
-def block(name: str, points: str, *, closed: int = 1, text: str = "") -> str:
-    """A block with one polyline on layer 1."""
+def block(name: str, points: str, *, closed: int = 1, text: str = "", mirror: str = "") -> str:
+    """A block with one polyline on layer 1, perhaps a text, and a mirror line by its ends."""
     vertices = "".join(
         f"0\nVERTEX\n8\n1\n10\n{x}\n20\n{y}\n" for x, y in (p.split(",") for p in points.split())
     )
     words = f"0\nTEXT\n8\n1\n10\n0\n20\n0\n1\n{text}\n" if text else ""
+    if mirror:
+        x, y, to_x, to_y = mirror.replace(" ", ",").split(",")
+        words += f"0\nLINE\n8\n6\n10\n{x}\n20\n{y}\n11\n{to_x}\n21\n{to_y}\n"
     return (
         f"0\nBLOCK\n8\n1\n2\n{name}\n70\n64\n{words}0\nPOLYLINE\n8\n1\n66\n1\n70\n{closed}\n{vertices}"
         "0\nSEQEND\n8\n1\n0\nENDBLK\n8\n1\n"
@@ -167,6 +170,7 @@ def test_names_in_another_script_are_read(tmp_path: Path) -> None:
         ([block("A", "0,0 300,300 300,0 0,300")], "UNITS: METRIC", {"allowance": 0.0}, "crosses|no area"),
         ([block("A", "0,0 300,x 300,300")], "UNITS: METRIC", {"allowance": 0.0}, "no number"),
         ([], "UNITS: METRIC", {"allowance": 0.0}, "no pattern pieces"),
+        ([block("A", SQUARE, mirror="9,9 9,9")], "UNITS: METRIC", {"allowance": 0.0}, "mirror line has no"),
         ([block("A", SQUARE)], "UNITS: METRIC", {"allowance": 0.0, "size": "40"}, "no size 40"),
         ([block("A", SQUARE)], "", {"allowance": 0.0, "units": "mile"}, "unit 'mile'"),
         (

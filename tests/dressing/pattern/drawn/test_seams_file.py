@@ -61,6 +61,7 @@ def test_seams_of_one_side_are_sewn_on_both(teagan: DrawnPattern, tmp_path: Path
         ("worn = 'inside'", "line 1: worn must be"),
         ("open = 2\nseams = []", "line 1: 2 questions about seams are open"),
         ("seams = [", "not a valid TOML file"),
+        pytest.param("seams = " + 5000 * "[", "its brackets are nested too deeply", id="deep"),
         ("piece = 3", "piece must be tables"),
     ],
 )
@@ -125,6 +126,9 @@ def test_what_is_open_stops_and_stays_stopped_until_it_is_answered(tmp_path: Pat
     assert len(told_or_sure(path, DrawnOptions()).drawn.seams or ()) == 2
 
 
+SQUARE = '<path class="fabric" d="M 0,0 L 50,0 L 50,50 L 0,50 z"/>'
+
+
 def drawing(body: str, root: str = 'width="100mm" viewBox="0 0 100 100" freesewing="4"') -> str:
     return f'<svg xmlns="http://www.w3.org/2000/svg" {root}><g id="fs-stack-a.b-part-a.b">{body}</g></svg>'
 
@@ -142,6 +146,15 @@ def drawing(body: str, root: str = 'width="100mm" viewBox="0 0 100 100" freesewi
         (drawing('<path class="fabric" d="M 0,0 L 50,50 L 50,0 L 0,40 z"/>'), "'b' crosses itself"),
         (drawing('<path class="fabric" d="M 0,0 A 5,5 0 0 0 9,9 z"/>'), "path command 'A' is not known"),
         (drawing('<path class="fabric" d="M 0,0 L 5"/>'), "lacks numbers"),
+        (drawing('<path class="fabric" d="M 0,0 L 1e999,0 L 0,9 z"/>'), "a coordinate that is not finite"),
+        (drawing('<path class="fabric" d=""/>'), "its outline draws nothing"),
+        (
+            drawing(SQUARE + '<path marker-start="url(#cutonfoldFrom)" d="M 0,9 L 0,9"/>'),
+            "fold line has no length",
+        ),
+        (drawing(SQUARE + '<use href="#notch" x="9mm"/>'), "a notch lies at x='9mm'"),
+        ('<?xml version="1.0" encoding="latin9000"?>' + drawing(SQUARE), "unknown encoding"),
+        ('<?xml version="1.0" encoding="hex"?>' + drawing(SQUARE), "not a valid SVG"),
     ],
 )
 def test_faults_of_an_svg_are_named(tmp_path: Path, text: str, said: str) -> None:
@@ -150,6 +163,13 @@ def test_faults_of_an_svg_are_named(tmp_path: Path, text: str, said: str) -> Non
     with pytest.raises(InputError, match=said) as raised:
         read_freesewing_svg(path)
     assert "\n" not in str(raised.value) and "p.svg" in str(raised.value)
+
+
+def test_lines_that_draw_nothing_are_no_fault(tmp_path: Path) -> None:
+    path = tmp_path / "p.svg"
+    path.write_text(drawing(SQUARE + '<path class="note" d=""/><path class="fabric" d="M 3,3"/>'))
+    (piece,) = read_freesewing_svg(path).pieces
+    assert piece.area == pytest.approx(0.05**2) and piece.lines == ()
 
 
 def test_options_of_dxf_do_not_fit_an_svg(tmp_path: Path) -> None:
