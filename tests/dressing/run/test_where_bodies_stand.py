@@ -49,7 +49,7 @@ def test_what_is_cut_for_a_raised_body_is_what_is_cut_at_the_floor(garment: str,
     """Such a shirt once had 0.94 m^2 instead of 0.58; in mesh files, as programs write them."""
     areas = []
     for name, move in (("floor.ply", 0.0), ("raised.ply", 0.3), ("raised.obj", 0.3)):
-        body = trimesh.Trimesh(BODY.vertices + [0.0, move, 0.0], BODY.faces, process=False)
+        body = trimesh.Trimesh(BODY.vertices + np.array([0.0, move, 0.0]), BODY.faces, process=False)
         body.export(tmp_path / name)
         scene = toile.Scene(
             avatar=tmp_path / name, garments=[toile.Garment(garment)], quality="preview", edge_length=0.05,
