@@ -38,7 +38,7 @@ MOST_RETRIED = 8e5
 """Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""
 LAST_WORK, LAST_PER_FACE = 1e6, 300
 """What the last attempt may take then until the garment settles: at least, in all and per face."""
-ALL_WORK = 3e6
+ALL_WORK = 5e6
 """What all attempts may take together, beyond that; the last no more than twice what the one before took."""
 
 

@@ -147,6 +147,13 @@ def test_inches_are_inches(tmp_path: Path) -> None:
     assert read_dxf_pattern(path, allowance=0.0).pieces[0].area == pytest.approx(200 * 0.0254**2)
 
 
+def test_points_that_are_there_twice_or_on_a_side_make_no_corners(tmp_path: Path) -> None:
+    path = file_of(tmp_path, block("A", "0,0 0,0 150,0 300,0 300,300 300,300 0,300 0,0"))
+    (piece,) = read_dxf_pattern(path, allowance=0.0).pieces
+    assert piece.area == pytest.approx(0.09)
+    assert [piece.length(n) for n in range(len(piece.edges))] == pytest.approx([0.3] * 4)
+
+
 def test_blocks_of_one_name_stay_apart(tmp_path: Path) -> None:
     path = file_of(tmp_path, block("DETAIL", SQUARE), block("DETAIL", "0,0 100,0 100,100 0,100"))
     drawn = read_dxf_pattern(path, allowance=0.0)
