@@ -30,6 +30,8 @@ SAME = 1e-6
 """Distance at which a repaired vertex counts as one of the file's [m]."""
 SAME_POSE = 1e-4
 """Vertices of two poses that are closer than this share of the body's size are alike."""
+RESIZED = 2.5
+"""A pose in which the body is so many times larger or smaller is none: its matrices are of other units."""
 BOUND_TO = 4
 """Vertices of the file that a new vertex, of a closed hole, say, follows."""
 
@@ -95,9 +97,9 @@ def led_in_avatars(
 ) -> Iterator[Avatar]:  # fmt: skip
     """Read a glTF body that begins in a pose of rest, and moves from there to its clip's first frame.
 
-    Yields one for every pose of rest in which the file has it (see `read_lead_in`). `seconds` is the length
-    of the lead-in, rounded to whole frames, and `up` the axis of the file that points up. Parameters and
-    errors are else those of `load_animated_avatar`.
+    Yields one for every pose of rest in which there is a body (see `read_lead_in`). `seconds` is the length of
+    the lead-in, rounded to whole frames, and `up` the axis of the file that points up. Parameters and errors
+    are else those of `load_animated_avatar`.
     """
     with about(file=path):
         sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
@@ -107,6 +109,8 @@ def led_in_avatars(
             size = np.ptp(sampled.frames[0], axis=0).max()
             if any(np.abs(lead[0] - other).max() < SAME_POSE * size for other in seen):
                 continue
+            if not 1.0 / RESIZED < np.ptp(lead[0], axis=0).max() / size < RESIZED:
+                continue
             seen.append(lead[0])
             moving = MovingSurface(
                 frames=np.concatenate([lead, sampled.frames]),
@@ -114,7 +118,12 @@ def led_in_avatars(
                 notes=(sampled.note,),
                 lead=count,
             )
-            yield _moving_avatar(path, moving, replace(reading, up=up), fps)
+            try:
+                avatar = _moving_avatar(path, moving, replace(reading, up=up), fps)
+            except InputError:
+                # The clip can be read: what is wrong is this pose.
+                continue
+            yield avatar
 
 
 def load_posed_avatar(

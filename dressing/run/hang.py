@@ -34,6 +34,8 @@ from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import Spent, now, together
 
+PATTERNS = (".json", ".dxf", ".svg")
+"""Ends of the names of files that hold panels to be sewn."""
 MOST_RETRIED = 8e5
 """Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""
 LAST_WORK, LAST_PER_FACE = 1e6, 300
@@ -101,7 +103,7 @@ def _is_sewn(scene: ResolvedScene) -> bool:
     """Whether a garment of the scene is sewn of panels."""
     return any(
         isinstance(garment.source, str)
-        or (isinstance(garment.source, Path) and garment.source.suffix.lower() == ".json")
+        or (isinstance(garment.source, Path) and garment.source.suffix.lower() in PATTERNS)
         for garment in scene.garments
     )
 

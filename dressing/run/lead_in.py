@@ -78,11 +78,12 @@ def _asked(source: AvatarFile) -> float | None:
     with about(file=source.path):
         if isinstance(value, str | bool) or not 0.0 < value <= LONGEST:
             raise InputError(
-                f"lead_in must be '{OFF}' or lie between 0 and {LONGEST:g} s, got {value!r}", field="lead_in"
+                f"{source.path}: lead_in must be '{OFF}' or lie between 0 and {LONGEST:g} s, got {value!r}",
+                field="lead_in",
             )
         if source.time is not None:
             raise InputError(
-                "lead_in leads into a motion, but with time the body stands still; leave one out",
+                f"{source.path}: lead_in leads into a motion, but with time the body stands; leave one out",
                 field="lead_in",
             )
     return float(value)

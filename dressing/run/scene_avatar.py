@@ -6,7 +6,7 @@ from toile.dressing.body.animated_avatar import is_animated, load_animated_avata
 from toile.dressing.body.avatar import Avatar, load_avatar
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.given_measurements import Given, read_measurements
-from toile.dressing.run.scene import AvatarFile, AvatarSource
+from toile.dressing.run.scene import OFF, AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 
 
@@ -44,7 +44,8 @@ def _read(file: AvatarFile) -> Avatar:
             )
         return load_animated_avatar(file.path, reading=file.reading, fps=file.fps, clip=file.clip)
     for field in ("fps", "time", "clip", "lead_in"):
-        if getattr(file, field) is not None:
+        value = getattr(file, field)
+        if value is not None and not (field == "lead_in" and value == OFF):
             raise InputError(
                 f"{file.path}: {field} is for an avatar that moves; give an .npz, an animated .glb or a "
                 "folder of meshes",

@@ -32,13 +32,15 @@ def own_pose(file: GltfFile) -> Pose:
 def bind_pose(file: GltfFile) -> Pose | None:
     """Return the pose in which the skins were bound; None where no skin says it.
 
-    The topmost joint of a skin stays where its node rests; the others stand to it as they were bound.
+    The topmost joint of the largest skin stays where its node rests; the others stand to it as they were
+    bound, those of other skins by joints that they share with it.
     """
     scene = GltfScene(file, np.zeros(1), {})
     world = [matrices[0] for matrices in scene.world]
     parents = parents_of(file)
     bound: dict[int, Float] = {}
-    for number, skin in enumerate(file.content.get("skins", [])):
+    skins = enumerate(file.content.get("skins", []))
+    for number, skin in sorted(skins, key=lambda one: -len(one[1]["joints"])):
         if "inverseBindMatrices" not in skin:
             continue
         inverse = file.numbers(skin["inverseBindMatrices"], "MAT4").reshape(-1, 4, 4).swapaxes(1, 2)
@@ -47,8 +49,12 @@ def bind_pose(file: GltfFile) -> Pose | None:
             raise file.error(f"skins[{number}] has {len(joints)} joints, but {len(inverse)} matrices")
         if (np.abs(np.linalg.det(inverse[: len(joints)])) < 1e-30).any():
             continue
-        top = min(range(len(joints)), key=lambda joint: _depth(parents, joints[joint]))
-        here = world[joints[top]] @ inverse[top]
+        shared = next((place for place, joint in enumerate(joints) if joint in bound), None)
+        if shared is not None:
+            here = bound[joints[shared]] @ inverse[shared]
+        else:
+            top = min(range(len(joints)), key=lambda place: _depth(parents, joints[place]))
+            here = world[joints[top]] @ inverse[top]
         for joint, matrix in zip(joints, inverse, strict=False):
             bound.setdefault(joint, here @ np.linalg.inv(matrix))
     if not bound:

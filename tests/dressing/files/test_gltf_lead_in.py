@@ -83,6 +83,22 @@ def test_the_pose_of_binding_comes_from_the_inverse_bind_matrices(tmp_path: Path
     assert bound[2, "translation"] == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)
 
 
+def test_skins_that_share_joints_are_bound_together(tmp_path: Path) -> None:
+    """Hair on an arm that hangs by its node, in a skin of its own: it goes where the body's skin has the arm."""
+    glb = skinned_mannequin(down=30.0, frames=3, at=(0.0, 0.0, 0.0), own=25.0)
+    strand = glb.node(root=False, translation=[0.1, 0.0, 0.0])
+    glb.json["nodes"][0]["children"] = [strand]
+    bind = np.tile(np.eye(4), (2, 1, 1))
+    bind[:, :3, 3] = [[-0.18, -1.32, 0.0], [-0.28, -1.32, 0.0]]
+    hair = {"joints": [0, strand], "inverseBindMatrices": glb.numbers(bind.swapaxes(1, 2))}
+    glb.json["skins"].insert(0, hair)
+    glb.json["nodes"][3]["skin"] = 1
+    bound = bind_pose(GltfFile(glb.write(tmp_path / "a.glb")))
+    assert bound is not None
+    assert bound[0, "rotation"] == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-6)
+    assert bound[strand, "translation"] == pytest.approx([0.1, 0.0, 0.0], abs=1e-6)
+
+
 def test_without_a_skin_no_pose_of_binding_is_known(tmp_path: Path) -> None:
     glb = Glb()
     glb.animate(glb.node(mesh=glb.mesh()), "scale", [0.0, 1.0], [[1.0, 1.0, 1.0], [2.0, 2.0, 2.0]])

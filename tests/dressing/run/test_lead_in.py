@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.dressing.files.gltf_writer import Glb
 from tests.dressing.files.skinned_mannequin import FPS, skinned_mannequin
+from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.cli.main import main
 from toile.dressing.files.writers.ply import read_own_ply
@@ -146,6 +148,14 @@ def test_the_pose_of_rest_with_arms_apart_is_taken(tmp_path: Path) -> None:
     assert why is not None and np.degrees(rest.measurements.arm_angle) == pytest.approx(45.0, abs=1.0)
 
 
+def test_a_pose_in_which_the_body_has_another_size_is_none(tmp_path: Path) -> None:
+    """Only the clip takes the body to its size, as where its root is scaled from centimetres by keys."""
+    glb = skinned_mannequin(down=28.0, frames=3, at=(0.0, 0.0, 0.0))
+    glb.json["nodes"][2]["scale"] = [0.01, 0.01, 0.01]
+    glb.animate(2, "scale", [0.0, 0.1], np.ones((2, 3)))
+    assert lead_of(AvatarFile(path=glb.write(tmp_path / "a.glb"))) == 0
+
+
 def test_without_a_skeleton_the_first_frame_stays(tmp_path: Path) -> None:
     assert lead_of(AvatarFile(path=hanging_rigid(tmp_path))) == 0
 
@@ -166,7 +176,10 @@ def hanging_rigid(folder: Path) -> Path:
         (lambda path: AvatarFile(path=path, lead_in="on"), "lead_in must be 'off' or lie between 0 and 60 s"),
         (lambda path: AvatarFile(path=path, lead_in=0.0), "lead_in must be 'off' or lie between"),
         (lambda path: AvatarFile(path=path, lead_in=float("nan")), "lead_in must be 'off' or lie between"),
-        (lambda path: AvatarFile(path=path, lead_in=1.0, time=0.0), "with time the body stands still"),
+        (
+            lambda path: AvatarFile(path=path, lead_in=1.0, time=0.0),
+            "with time the body stands; leave one out",
+        ),
     ],
 )
 def test_what_cannot_be_led_is_named(make: Callable[[Path], AvatarFile], message: str, path: Path) -> None:
@@ -176,7 +189,9 @@ def test_what_cannot_be_led_is_named(make: Callable[[Path], AvatarFile], message
     assert caught.value.field == "lead_in" and caught.value.file == file.path
 
 
-def test_scene_files_and_options_say_it(path: Path, tmp_path: Path) -> None:
+def test_scene_files_and_options_say_it(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     for value, expected in (("0.5", 0.5), ('"off"', "off")):
         text = f'[avatar]\nfile = "a.glb"\nlead_in = {value}\n[[garment]]\nsource = "tshirt"\n'
         (tmp_path / "scene.toml").write_text(text)
@@ -184,8 +199,26 @@ def test_scene_files_and_options_say_it(path: Path, tmp_path: Path) -> None:
         assert isinstance(avatar, AvatarFile) and avatar.lead_in == expected
     arguments = ["dress", "--avatar", str(path), "--garment", "tshirt", "-o", str(tmp_path / "out")]
     assert main([*arguments, "--lead-in", "90"]) == 2
-    with pytest.raises(SystemExit):
-        main([*arguments, "--lead-in", "soon"])
+    assert "hanging.glb: lead_in must be 'off' or lie between 0 and 60 s, got 90" in capsys.readouterr().err
+    assert main([*arguments, "--lead-in", "soon"]) == 2
+    assert "'soon' is neither a number of seconds nor off" in capsys.readouterr().err
+
+
+def test_columns_of_jobs_say_it(tmp_path: Path) -> None:
+    jobs = tmp_path / "jobs.csv"
+    jobs.write_text("name,avatar,garment,lead_in\na,a.glb,tshirt,0.5\nb,a.glb,tshirt,off\nc,a.glb,tshirt,\n")
+    avatars = [job.scene.avatar for job in JobsFile(jobs, {})]
+    assert [avatar.lead_in for avatar in avatars if isinstance(avatar, AvatarFile)] == [0.5, "off", None]
+
+
+def test_a_body_that_stands_still_has_none(tmp_path: Path) -> None:
+    body = mannequin()
+    glb = Glb()
+    glb.node(mesh=glb.mesh(body.vertices, body.faces))
+    path = glb.write(tmp_path / "still.glb")
+    with pytest.raises(InputError, match="lead_in is for an avatar that moves"):
+        load_dress_form(AvatarFile(path=path, lead_in=1.0), {})
+    assert load_dress_form(AvatarFile(path=path, lead_in="off"), {})[0].motion is None
 
 
 def test_jumps_are_named_by_frames_of_the_clip() -> None:
