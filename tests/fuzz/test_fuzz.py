@@ -7,7 +7,6 @@ import pytest
 from tests.fuzz.fuzz import fuzz
 from tests.fuzz.readers import READERS, valid_files
 
-
 COUNT = 100
 SLOW = {
     "dxf": 20,
