@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from toile.geometry.errors import InputError
 
 _PART = re.compile(
-    r"(?P<turn>-?)\s*(?P<panel>.*\S)\s*\.\s*(?P<edge>\d+)\s*(?:\[(?P<from>[^:\]]*):(?P<to>[^:\]]*)\])?"
+    r"(?P<turn>-?)\s*(?P<panel>.*\S)\s*\.\s*(?P<edge>\d{1,9})\s*(?:\[(?P<from>[^:\]]*):(?P<to>[^:\]]*)\])?"
 )
 
 

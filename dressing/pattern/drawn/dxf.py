@@ -320,7 +320,8 @@ def _mirror_line(where: str, layers: dict[str, list[Entity]], metres: float) -> 
 
 def _is_pair(quantity: str) -> bool:
     """Tell whether a quantity means a mirrored pair: "1,1" as drawn and mirrored, or "2"."""
-    numbers = [int(n) for n in re.findall(r"\d+", quantity)]
+    # As texts: Python makes no number of thousands of digits.
+    numbers = [digits.lstrip("0") for digits in re.findall(r"\d+", quantity)]
     if len(numbers) > 1 and "," in quantity:
-        return numbers[1] > 0
-    return bool(numbers) and numbers[0] == 2
+        return bool(numbers[1])
+    return bool(numbers) and numbers[0] == "2"

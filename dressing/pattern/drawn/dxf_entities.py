@@ -125,7 +125,7 @@ def _entity(raw: _Raw, path: Path) -> Entity:
         points = _points(raw)
         angle = float(raw.first(50)) if raw.kind == "POINT" and raw.first(50) else None
         closed = raw.kind in ("POLYLINE", "LWPOLYLINE") and int(float(raw.first(70, "0"))) & 1 == 1
-    except ValueError:
+    except (ValueError, OverflowError):
         raise InputError(
             f"{path.name}: a {raw.kind} on layer {raw.first(8).strip()} has a coordinate that is no number",
             file=path,

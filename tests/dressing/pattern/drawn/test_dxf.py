@@ -177,6 +177,8 @@ def test_names_in_another_script_are_read(tmp_path: Path) -> None:
         ([block("A", "0,0 300,300 300,0 0,300")], "UNITS: METRIC", {"allowance": 0.0}, "crosses|no area"),
         ([block("A", "0,0 300,x 300,300")], "UNITS: METRIC", {"allowance": 0.0}, "no number"),
         ([], "UNITS: METRIC", {"allowance": 0.0}, "no pattern pieces"),
+        ([block("A", SQUARE).replace("\n70\n1\n", "\n70\n1e999\n")], "UNITS: METRIC", {}, "a POLYLINE on"),
+        ([block("A", SQUARE, text="QUANTITY: " + 5000 * "9")], "UNITS: METRIC", {}, "'A' has no sew line"),
         ([block("A", SQUARE, mirror="9,9 9,9")], "UNITS: METRIC", {"allowance": 0.0}, "mirror line has no"),
         ([block("A", SQUARE)], "UNITS: METRIC", {"allowance": 0.0, "size": "40"}, "no size 40"),
         ([block("A", SQUARE)], "", {"allowance": 0.0, "units": "mile"}, "unit 'mile'"),

@@ -61,6 +61,9 @@ def test_seams_of_one_side_are_sewn_on_both(teagan: DrawnPattern, tmp_path: Path
         ("worn = 'inside'", "line 1: worn must be"),
         ("open = 2\nseams = []", "line 1: 2 questions about seams are open"),
         ("seams = [", "not a valid TOML file"),
+        pytest.param(
+            f"seams = ['front.{5000 * '9'} = back.1']", "is no edge; write PANEL.NUMBER", id="number"
+        ),
         pytest.param("seams = " + 5000 * "[", "its brackets are nested too deeply", id="deep"),
         ("piece = 3", "piece must be tables"),
     ],
