@@ -55,7 +55,7 @@ def arm_to_body(vertices: Float) -> float:
     """Distance between the hands and forearms and the trunk and legs [m]."""
     x, y = np.abs(BODY.vertices[:, 0]) / HEIGHT, BODY.vertices[:, 1] / HEIGHT
     arm, other = (x > 0.25) & (y > 0.4), (x < 0.11) & (y < 0.75)
-    return float(cKDTree(vertices[other]).query(vertices[arm])[0].min())
+    return float(np.min(cKDTree(vertices[other]).query(vertices[arm])[0]))
 
 
 @pytest.mark.parametrize(
