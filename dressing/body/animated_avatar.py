@@ -96,9 +96,9 @@ def led_in_avatars(
 ) -> Iterator[Avatar]:  # fmt: skip
     """Read a glTF body that begins in a pose of rest, and moves from there to its clip's first frame.
 
-    Yields one for every pose of rest in which there is a body (see `read_lead_in`). `seconds` is the length of
-    the lead-in, rounded to whole frames, and `up` the axis of the file that points up. Parameters and errors
-    are else those of `load_animated_avatar`.
+    Yields one for every pose of rest in which there is a body (see `read_lead_in`). `seconds` is how long
+    the lead-in is, rounded to whole frames, and `up` the axis of the file that points up. Parameters and
+    errors are else those of `load_animated_avatar`.
     """
     with about(file=path):
         sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)

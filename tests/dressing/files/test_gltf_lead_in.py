@@ -84,7 +84,7 @@ def test_the_pose_of_binding_comes_from_the_inverse_bind_matrices(tmp_path: Path
 
 
 def test_skins_that_share_joints_are_bound_together(tmp_path: Path) -> None:
-    """Hair on an arm that hangs by its node, in a skin of its own: it goes where the body's skin has the arm."""
+    """Hair on an arm that hangs by its node, in a skin of its own: the larger skin says where it goes."""
     glb = skinned_mannequin(down=30.0, frames=3, at=(0.0, 0.0, 0.0), own=25.0)
     strand = glb.node(root=False, translation=[0.1, 0.0, 0.0])
     glb.json["nodes"][0]["children"] = [strand]
