@@ -70,6 +70,7 @@ def test_a_still_drape_leaves_nothing_of_a_film(tmp_path: Path) -> None:
     assert not (tmp_path / "frames").exists() and not (tmp_path / "dressed.usdc").exists()
 
 
+@pytest.mark.slow
 def test_the_same_motion_at_24_and_at_120_frames_per_second(tmp_path: Path) -> None:
     """The shirt hangs alike at the times that both have, and no frame crosses."""
     shirts = []
@@ -107,6 +108,7 @@ def test_cloth_that_no_fabric_bears_is_told_with_its_place(tmp_path: Path) -> No
     assert f"in frame {animation['frames']}; garment tshirt: " in told and " near (" in told
 
 
+@pytest.mark.slow
 def test_a_loop_that_jumps_back(tmp_path: Path) -> None:
     """A step ahead of 0.3 m, back in one frame of 1/24 s: the shirt comes along, and nothing crosses."""
     scene = motion(tmp_path, along(0.0, 0.1, 0.2, 0.3, 0.0, 0.1), 24.0)
