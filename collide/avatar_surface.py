@@ -7,6 +7,7 @@ from toile.collide import bvh
 from toile.collide.surface import surface_of
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_2, kernel
+from toile.geometry.normals import area_normals
 
 
 @kernel(types.void(F64_2, F64_2, I32_2, F64_1, OUT_F64_2))
@@ -92,8 +93,7 @@ class AvatarSurface:
     @property
     def vertex_area(self) -> Float:
         """A third of the area of the faces around each vertex [m^2], shape (v,)."""
-        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
-        area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        area = 0.5 * np.linalg.norm(area_normals(self.vertices[self.faces]), axis=1)
         shares = np.repeat(area / 3.0, 3)
         count = len(self.vertices)
         return np.asarray(np.bincount(self.faces.ravel(), weights=shares, minlength=count), np.float64)

@@ -1,14 +1,18 @@
-"""Normals of the vertices of a triangle mesh."""
+"""Normals of the faces and vertices of a triangle mesh."""
 
 import numpy as np
 
 from toile.geometry.arrays import Float, Int
 
 
+def area_normals(corners: Float) -> Float:
+    """Return normals of triangles, twice as long as their areas, (t, 3), from corners (t, 3, 3)."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
 def vertex_normals(positions: Float, faces: Int) -> Float:
     """Return area-weighted unit normals, shape (n, 3); those of vertices without area are zero."""
-    a, b, c = (positions[faces[:, corner]] for corner in range(3))
-    face_normals = np.cross(b - a, c - a)
+    face_normals = area_normals(positions[faces])
     flat = faces.ravel()
     sums = np.stack(
         [

@@ -37,6 +37,12 @@ class Topology(NamedTuple):
         return border
 
     @property
+    def neighbour_pairs(self) -> Int:
+        """Pairs of neighbouring faces, the lower face first, shape (p, 2)."""
+        face, side = np.nonzero(self.neighbours > np.arange(len(self.neighbours))[:, None])
+        return np.column_stack([face, self.neighbours[face, side]]).astype(np.int32)
+
+    @property
     def border_sides(self) -> Bool:
         """True where a side has no neighbour, shape (t, 3)."""
         return self.neighbours < 0

@@ -10,11 +10,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected_vertices
 from toile.geometry.errors import InputError
 
 NO_BODY = re.compile(
@@ -194,12 +193,7 @@ def _pieces(positions: Float, faces: Int) -> Int:
     """Return the connected part of every face, shape (f,); vertices at the same place are one."""
     used, local = np.unique(faces, return_inverse=True)
     corners = _places(positions[used])[local.reshape(-1, 3)]
-    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]]])
-    count = int(corners.max()) + 1
-    label = connected_components(
-        coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count)), directed=False
-    )[1]
-    return np.asarray(label[corners[:, 0]], np.int32)
+    return connected_vertices(corners, int(corners.max()) + 1)[corners[:, 0]]
 
 
 def _members(piece: Int) -> list[npt.NDArray[np.int64]]:
@@ -217,11 +211,8 @@ def _without_copies(surface: Surface, kept: Bool, notes: list[str]) -> Bool:
     if not copy.any():
         return kept
     local = np.unique(surface.faces[rows], return_inverse=True)[1].reshape(-1, 3)
-    ends = np.concatenate([local[:, [0, 1]], local[:, [1, 2]]])
     count = int(local.max()) + 1
-    patch = connected_components(
-        coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count)), directed=False
-    )[1][local[:, 0]]
+    patch = connected_vertices(local, count)[local[:, 0]]
     whole = np.bincount(patch, weights=~copy, minlength=count) == 0
     out = whole[patch]
     if not out.any():

@@ -2,14 +2,14 @@
 
 import manifold3d
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from toile.dressing.body.avatar_crossings import crossing_pairs, describe_places
 from toile.dressing.body.avatar_holes import boundary_loops, fill_loop
 from toile.dressing.body.avatar_topology import join_corners, orient_faces, weld_open_edges
 from toile.geometry.arrays import Float, Int
+from toile.geometry.connected import connected_vertices
 from toile.geometry.errors import InputError
+from toile.geometry.normals import area_normals
 
 SMALLEST_VOLUME = 1e-9
 """A closed part below this volume [m3] is a sheet or a crumb, not a part of a body."""
@@ -97,8 +97,7 @@ def _volume(vertices: Float, faces: Int) -> float:
 
 def _area(vertices: Float, faces: Int) -> float:
     """Area of triangles [m2]."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    return 0.5 * float(np.linalg.norm(area_normals(vertices[faces]), axis=1).sum())
 
 
 def _closed_parts(
@@ -208,13 +207,8 @@ def _solid(file_name: str, points: Float, triangles: Int) -> manifold3d.Manifold
 
 def _without_hollows(vertices: Float, faces: Int) -> tuple[Float, Int, int, int]:
     """Drop inward-looking shells; returns vertices, faces, how many shells stay and how many went."""
-    count, label = connected_components(
-        coo_matrix(
-            (np.ones(2 * len(faces)), (faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel())),
-            shape=(len(vertices), len(vertices)),
-        ),
-        directed=False,
-    )
+    label = connected_vertices(faces, len(vertices))
+    count = int(label.max(initial=-1)) + 1
     shell = label[faces[:, 0]]
     a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
     six_volumes = np.bincount(shell, np.einsum("ij,ij->i", a, np.cross(b, c)), minlength=count)

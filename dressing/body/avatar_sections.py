@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.connected import connected
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,12 +61,9 @@ def cut(vertices: Float, faces: Int, point: Float, normal: Float) -> list[Sectio
     share = height[a] / (height[a] - height[b])
     points = vertices[a] + share[:, None] * (vertices[b] - vertices[a])
     links = inverse.reshape(-1, 2)
-    parts, label = connected_components(
-        coo_matrix((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(len(nodes), len(nodes))),
-        directed=False,
-    )
+    label = connected(links, len(nodes))
     order = np.argsort(label, kind="stable")
-    groups = np.split(points[order], np.cumsum(np.bincount(label, minlength=parts))[:-1])
+    groups = np.split(points[order], np.cumsum(np.bincount(label))[:-1])
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
     plane = np.column_stack([first, np.cross(normal, first)])

@@ -1,10 +1,9 @@
 """Connectivity repair: shared edges and consistent winding."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected
 
 WELD_TOLERANCE = 1e-6
 """Open borders whose vertices are nearer than this [m] are the same border: float32 rounding at 2 m."""
@@ -115,9 +114,8 @@ def join_corners(vertices: Float, faces: Int) -> tuple[Float, Int, int]:
     second = np.concatenate(
         [np.where(same_start, right, nxt[right]), np.where(same_start, nxt[right], right)]
     )
-    count, corner_class = connected_components(
-        coo_matrix((np.ones(len(first)), (first, second)), shape=(faces.size, faces.size)), directed=False
-    )
+    corner_class = connected(np.column_stack([first, second]), faces.size)
+    count = int(corner_class.max(initial=-1)) + 1
     if count == len(np.unique(faces)):
         return vertices, faces, 0
     source = np.zeros(count, dtype=np.int64)
@@ -146,15 +144,11 @@ def orient_faces(faces: Int) -> tuple[Int, Int, int, int]:
     a, b = order[two] // 3, order[two + 1] // 3
     same = (forward[two] == forward[two + 1]).astype(np.int32)
     face_count = len(faces)
-    part_count, part = connected_components(
-        coo_matrix((np.ones(len(a)), (a, b)), shape=(face_count, face_count)), directed=False
-    )
+    part = connected(np.column_stack([a, b]), face_count)
+    part_count = int(part.max(initial=-1)) + 1
     rows = np.concatenate([2 * a, 2 * a + 1])
     columns = np.concatenate([2 * b + same, 2 * b + 1 - same])
-    _, sheet = connected_components(
-        coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * face_count, 2 * face_count)),
-        directed=False,
-    )
+    sheet = connected(np.column_stack([rows, columns]), 2 * face_count)
     given, turned = sheet[0::2], sheet[1::2]
     one_sided = np.flatnonzero(given == turned)
     # The sheet with the smaller label is the reference; whether it is the majority decides who turns.

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from toile.dressing.body.avatar_sections import level_cut
 from toile.geometry.arrays import Float, Int
+from toile.geometry.connected import connected_vertices
+from toile.geometry.normals import area_normals
 
 TRUNK = np.linspace(0.5, 0.84, 18)
 """Levels at which the trunk is cut, in body heights: hips to shoulders."""
@@ -113,19 +113,13 @@ def _toes(vertices: Float, faces: Int, height: float) -> Float:
         return np.zeros(2)
     used, local = np.unique(low, return_inverse=True)
     local = local.reshape(-1, 3)
-    count, label = connected_components(
-        coo_matrix(
-            (np.ones(2 * len(local)), (local[:, [0, 1]].ravel(), local[:, [1, 2]].ravel())),
-            shape=(len(used),) * 2,
-        ),
-        directed=False,
-    )
+    label = connected_vertices(local, len(used))
     corners = vertices[low]
     centres = corners.mean(axis=1)
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = np.linalg.norm(area_normals(corners), axis=1)
     foot_of = label[local[:, 0]]
     total = np.zeros(2)
-    for foot in range(count):
+    for foot in range(int(label.max()) + 1):
         own = foot_of == foot
         above = (centres[:, 1] - centres[own, 1].min()) / height
         sole, ankle = own & (above < SOLE), own & (above > ANKLE[0]) & (above < ANKLE[1])

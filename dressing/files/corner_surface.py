@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toile.dressing.files.polygon_split import split_polygons
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +90,13 @@ class Surface:
             panel_names=(),
             file_face=source[order].astype(np.int32),
         )
+
+    def with_faces(self, kept: Bool) -> "Surface":
+        """Return the surface with the faces that are marked, shape (t,), on the same nodes."""
+        return replace(
+            self, faces=self.faces[kept], uv_faces=self.uv_faces[kept], panel=self.panel[kept],
+            file_face=self.file_face[kept],
+        )  # fmt: skip
 
     def with_panel_names(self, names: tuple[str, ...]) -> "Surface":
         """Return the same surface with its groups named; one unnamed group becomes "garment"."""

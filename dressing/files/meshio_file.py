@@ -227,7 +227,4 @@ def _without_collapsed(surface: Surface, sizes: Cells) -> Surface:
     """
     a, b, c = surface.faces.T
     kept = (sizes[surface.file_face] == 3) | ((a != b) & (b != c) & (c != a))
-    return replace(
-        surface, faces=surface.faces[kept], uv_faces=surface.uv_faces[kept], panel=surface.panel[kept],
-        file_face=surface.file_face[kept],
-    )  # fmt: skip
+    return surface.with_faces(kept)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from toile.dressing.files.corner_surface import Surface
-from toile.dressing.files.surface_mend import exactly_welded, without_area
+from toile.dressing.files.surface_mend import exactly_welded, named, without_area
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 
@@ -49,7 +49,9 @@ def _refuse_degenerate(path: Path, positions: Float, faces: Int, file_face: Int)
     bad = np.flatnonzero(without_area(positions, faces))
     if len(bad):
         raise InputError(
-            f"{path}: {_named(file_face[bad])} no area; delete or merge them", file_face[bad], file=path
+            f"{path}: {named(file_face[bad], 'has', 'have')} no area; delete or merge them",
+            file_face[bad],
+            file=path,
         )
 
 
@@ -84,7 +86,7 @@ def _faces_to_flip(path: Path, faces: Int, file_face: Int) -> Int:
     if len(wrong):
         bad = np.unique(np.concatenate([a[wrong], b[wrong]]))
         raise InputError(
-            f"{path}: {_named(file_face[bad])} no consistent right side (a Moebius strip)",
+            f"{path}: {named(file_face[bad], 'has', 'have')} no consistent right side (a Moebius strip)",
             file_face[bad],
             file=path,
         )
@@ -105,12 +107,3 @@ def _sides(faces: Int) -> tuple[npt.NDArray[np.int64], Int, Bool]:
     key = np.minimum(start, end) * count + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
     return key[order], np.asarray(order // 3, np.int32), np.asarray((start < end)[order])
-
-
-def _named(faces: Int) -> str:
-    """Return "face 3 has" or "7 faces (3, 5, 9, ...) have", numbered from 0."""
-    numbers = sorted({int(face) for face in faces})
-    if len(numbers) == 1:
-        return f"face {numbers[0]} has"
-    listed = ", ".join(str(number) for number in numbers[:5]) + (", ..." if len(numbers) > 5 else "")
-    return f"{len(numbers)} faces ({listed}) have"

@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import first_connected
+from toile.geometry.normals import area_normals
+from toile.geometry.topology import triangle_topology
 
 AnyInt = npt.NDArray[np.integer]
 SMALLEST_AREA = 1e-11
@@ -52,7 +53,7 @@ def mended_surface(surface: Surface) -> tuple[Surface, tuple[str, ...]]:
 def exactly_welded(positions: Float, faces: Int) -> Int:
     """Return faces in which border vertices at the same place are one: exporters split them at seams."""
     target = np.arange(len(positions), dtype=np.int32)
-    border = _border(faces, len(positions))
+    border = _border(faces)
     if len(border):
         _, first, index = np.unique(positions[border], axis=0, return_index=True, return_inverse=True)
         target[border] = border[first][index.ravel()]
@@ -62,34 +63,23 @@ def exactly_welded(positions: Float, faces: Int) -> Int:
 def without_area(positions: Float, faces: Int) -> Bool:
     """Mark faces that repeat a vertex or have no area, shape (t,)."""
     corners = positions[faces]
-    doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    doubled = np.linalg.norm(area_normals(corners), axis=1)
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     return np.asarray((doubled < 2.0 * SMALLEST_AREA) | (doubled < SMALLEST_HEIGHT * longest**2))
 
 
-def named(faces: Int) -> str:
-    """Return "face 3 is" or "7 faces (3, 5, 9, ...) are", numbered from 0."""
+def named(faces: Int, one: str = "is", many: str = "are") -> str:
+    """Return "face 3 is" or "7 faces (3, 5, 9, ...) are", numbered from 0, or other words than is and are."""
     numbers = sorted({int(face) for face in faces})
     if len(numbers) == 1:
-        return f"face {numbers[0]} is"
+        return f"face {numbers[0]} {one}"
     listed = ", ".join(str(number) for number in numbers[:5]) + (", ..." if len(numbers) > 5 else "")
-    return f"{len(numbers)} faces ({listed}) are"
+    return f"{len(numbers)} faces ({listed}) {many}"
 
 
-def _border(faces: Int, count: int) -> Int:
+def _border(faces: Int) -> Int:
     """Vertices of edges with one face, sorted."""
-    start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
-    keys, counts = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_counts=True)
-    lone = keys[counts == 1]
-    return np.asarray(np.unique(np.concatenate([lone // count, lone % count])), np.int32)
-
-
-def _kept(surface: Surface, keep: Bool) -> Surface:
-    """Return a surface with some of its faces."""
-    return replace(
-        surface, faces=surface.faces[keep], uv_faces=surface.uv_faces[keep], panel=surface.panel[keep],
-        file_face=surface.file_face[keep],
-    )  # fmt: skip
+    return np.unique(triangle_topology(faces).border_edges)
 
 
 def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
@@ -102,7 +92,7 @@ def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
     numbers, polygon = np.unique(surface.file_face, return_inverse=True)
     corners = surface.positions[faces]
     normal = np.zeros((len(numbers), 3))
-    np.add.at(normal, polygon, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    np.add.at(normal, polygon, area_normals(corners))
     own = _corner_sets(polygon, faces)
     at = own
     if by_place:
@@ -115,7 +105,7 @@ def _without_doubles(surface: Surface, by_place: bool) -> tuple[Surface, Int]:
         leader = leaders.setdefault(key, number)
         if leader != number:
             doubled[number] = own[leader] == own[number] or normal[leader] @ normal[number] < 0.0
-    return _kept(surface, ~doubled[polygon]), numbers[doubled].astype(np.int32)
+    return surface.with_faces(~doubled[polygon]), numbers[doubled].astype(np.int32)
 
 
 def _corner_sets(polygon: AnyInt, corners: AnyInt) -> list[bytes]:
@@ -127,7 +117,7 @@ def _corner_sets(polygon: AnyInt, corners: AnyInt) -> list[bytes]:
 
 def _nearly_welded(positions: Float, faces: Int) -> tuple[Int, int, float]:
     """Join border vertices that all but touch; return the faces, how many were joined, and how wide [m]."""
-    border = _border(faces, len(positions))
+    border = _border(faces)
     ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
     length = np.linalg.norm(positions[ends[:, 0]] - positions[ends[:, 1]], axis=1)
     shortest = np.full(len(positions), np.inf)
@@ -141,10 +131,7 @@ def _nearly_welded(positions: Float, faces: Int) -> tuple[Int, int, float]:
     if not near.any():
         return faces, 0, 0.0
     pairs, count = pairs[near], len(positions)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
-    _, first, index = np.unique(label, return_index=True, return_inverse=True)
-    target = first[index.ravel()].astype(np.int32)
+    target = first_connected(pairs, count)
     return target[faces], int(np.count_nonzero(target != np.arange(count))), float(apart[near].max())
 
 
@@ -211,4 +198,5 @@ def _mend_round(surface: Surface, bad: Int) -> Surface:
         panel[face] = panel[other]
     faces = target[faces]
     keep &= (faces != np.roll(faces, -1, axis=1)).all(axis=1)
-    return _kept(replace(surface, faces=faces, uv_faces=uv_faces, panel=panel, uv=np.concatenate(uv)), keep)
+    mended = replace(surface, faces=faces, uv_faces=uv_faces, panel=panel, uv=np.concatenate(uv))
+    return mended.with_faces(keep)

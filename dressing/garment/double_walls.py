@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected
+from toile.geometry.normals import area_normals
+from toile.geometry.topology import triangle_topology
 
 THINNEST, THICKEST = 5e-5, 2e-3
 """Distance of two walls that are one layer of cloth [m]."""
@@ -42,10 +43,10 @@ def as_layers(surface: Surface, walls: int) -> tuple[Surface, float | None, tupl
     None. Of two layers the larger wall moves outwards so far that cloth has room. Rims are left out.
     """
     corners = surface.positions[surface.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = area_normals(corners)
     area = 0.5 * np.linalg.norm(normal, axis=1)
     normal /= 2.0 * area[:, None]
-    neighbours = _neighbours(surface.faces)
+    neighbours = triangle_topology(surface.faces).neighbour_pairs
     drop, found, positions = np.zeros(len(area), bool), [], surface.positions.copy()
     for side in (-1.0, 1.0):
         walls_here = _opposite(corners, normal, side)
@@ -63,10 +64,7 @@ def as_layers(surface: Surface, walls: int) -> tuple[Surface, float | None, tupl
                 positions[nodes] += max(0.0, APART - distance) * outwards
     if not found:
         return surface, None, ()
-    kept = replace(
-        surface, positions=positions, faces=surface.faces[~drop], uv_faces=surface.uv_faces[~drop],
-        panel=surface.panel[~drop], file_face=surface.file_face[~drop],
-    )  # fmt: skip
+    kept = replace(surface.with_faces(~drop), positions=positions)
     thickness = float(np.median(found))
     said = f"it has two walls {1e3 * thickness:.2g} mm apart"
     if walls == 2:
@@ -78,7 +76,7 @@ def _double(walls: _Walls, neighbours: Int, area: Float, taken: Bool) -> Iterato
     """Yield the faces of every piece that has two walls, and how far these are apart [m]."""
     hit = walls.opposite >= 0
     pairs = np.concatenate([neighbours, np.column_stack([np.flatnonzero(hit), walls.opposite[hit]])])
-    piece = _components(pairs, len(area))
+    piece = connected(pairs, len(area))
     covered = np.bincount(piece, area * hit) / np.bincount(piece, area)
     for number in np.flatnonzero(covered >= COVERED).tolist():
         own = piece == number
@@ -96,20 +94,6 @@ def _vertex_normals(faces: Int, normal: Float, count: int) -> tuple[Int, Float]:
         np.add.at(sums, faces[:, k], normal)
     nodes = np.unique(faces)
     return nodes, sums[nodes] / np.maximum(np.linalg.norm(sums[nodes], axis=1, keepdims=True), 1e-12)
-
-
-def _neighbours(faces: Int) -> Int:
-    """Pairs of faces that share an edge of two faces, shape (e, 2)."""
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    _, edge, sides = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(edge.ravel(), kind="stable")
-    start = np.concatenate([[0], np.cumsum(sides)[:-1]])[sides == 2]
-    return np.column_stack([order[start] // 3, order[start + 1] // 3])
-
-
-def _components(pairs: Int, count: int) -> Int:
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _opposite(corners: Float, normal: Float, side: float) -> _Walls:
@@ -146,7 +130,7 @@ def _larger_walls(walls: Bool, neighbours: Int, normal: Float, area: Float, oppo
     """Mark the faces of the larger of two opposite walls, among those marked in `walls`."""
     smooth = np.einsum("ei,ei->e", normal[neighbours[:, 0]], normal[neighbours[:, 1]]) > SHARP
     inner = walls[neighbours].all(axis=1) & smooth
-    wall = _components(neighbours[inner], len(walls))
+    wall = connected(neighbours[inner], len(walls))
     size = np.bincount(wall, area * walls)
     keep, gone = np.zeros(len(walls), bool), np.zeros(len(size), bool)
     for number in sorted(np.unique(wall[walls]).tolist(), key=lambda each: (-size[each], each)):

@@ -1,12 +1,11 @@
 """Pieces of a garment that start inside the body and touch nothing that could free them."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected
 
 SOLID = 0.5
 """Winding number from which a point counts as inside: bodies may have holes."""
@@ -21,8 +20,7 @@ def faces_inside(mesh: GarmentMesh, avatar: Avatar) -> Int:
     """
     pairs = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.stitches.reshape(-1, 2)])
     count = len(mesh.positions)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    piece = connected_components(graph, directed=False)[1]
+    piece = connected(pairs, count)
     inside = np.zeros(count, bool)
     for number in np.unique(piece[mesh.faces[:, 0]]):
         own = np.flatnonzero(piece == number)

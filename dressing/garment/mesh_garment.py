@@ -23,6 +23,7 @@ from toile.dressing.garment.trims import without_trims
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
+from toile.geometry.normals import area_normals
 from toile.remesh.adapt.transfer import descent
 
 FORMATS = (".obj", ".ply", ".glb", ".gltf", ".npz", *MESHIO_FORMATS)
@@ -191,7 +192,7 @@ def warp_directions(corners: Float, uv: Float | None) -> Float:
     Lines of constant u are warp threads: the direction is dX/dv. Without texture coordinates, or where they
     are degenerate, it is the vertical projected into the face (in horizontal faces, the front direction).
     """
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     along = np.array((0.0, 1.0, 0.0)) - normals * normals[:, 1:2]
     horizontal = np.linalg.norm(along, axis=1) < 0.1

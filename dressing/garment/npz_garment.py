@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.npz_file import npz_arrays
@@ -19,6 +17,7 @@ from toile.dressing.pattern.roles import EdgeRole
 from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected_vertices
 from toile.geometry.errors import InputError
 
 HELD = "held_"
@@ -76,7 +75,7 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     uv_faces = held.get("uv_faces", faces).astype(np.int32)
     corner_vertex = np.zeros(len(uv), np.int32)
     corner_vertex[uv_faces] = faces
-    piece = _pieces(len(vertices), faces)[faces[:, 0]]
+    piece = connected_vertices(faces, len(vertices))[faces[:, 0]]
     own = held.get("panel", np.zeros(len(faces))).astype(np.int32)
     used, panel = np.unique(np.stack([piece, own], axis=1), axis=0, return_inverse=True)
     surface = Surface(
@@ -227,13 +226,6 @@ def _motion(path: Path, held: dict[str, Any], corner_vertex: Int) -> VertexMotio
             field="motion",
         )
     return VertexMotion(frames=held["motion"].astype(np.float32)[:, corner_vertex], fps=float(held["fps"]))
-
-
-def _pieces(count: int, faces: Int) -> Int:
-    """Return the number of the connected piece of every vertex, shape (n,)."""
-    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(ends[0])), ends), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int32)
 
 
 def _whole(origin: Origin, marked: Bool) -> Int:

@@ -1,14 +1,14 @@
 """Rigid trims: buttons, rivets and buckles, shells of their own in a garment file, ride along with it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Float, Int
+from toile.geometry.connected import connected_vertices
+from toile.geometry.topology import triangle_topology
 
 LARGEST = 0.08
 """Largest diagonal of the box of a trim [m]: a belt buckle."""
@@ -79,16 +79,14 @@ def _rotation(spread: Float) -> Float:
 def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, ...]]:
     """Take small shells that sit on a larger piece off a welded surface [m]; say how many and which."""
     count = len(surface.positions)
-    ends = np.stack([surface.faces, np.roll(surface.faces, -1, axis=1)], axis=-1).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
-    shell = connected_components(graph, directed=False)[1][surface.faces[:, 0]]
+    shell = connected_vertices(surface.faces, count)[surface.faces[:, 0]]
     shells, first, owner, faces_of = np.unique(
         shell, return_index=True, return_inverse=True, return_counts=True
     )
     if len(shells) == 1:
         return surface, None, ()
-    _, sides = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    lone = (np.bincount(sides.ravel()) == 1)[sides.ravel()].reshape(-1, 3).any(axis=1)
+    topology = triangle_topology(surface.faces)
+    lone = (topology.edge_face_count == 1)[topology.face_edges].any(axis=1)
     is_open = np.zeros(len(shells), bool)
     is_open[owner[lone]] = True
     low, high = np.full((2, len(shells), 3), np.inf)
@@ -101,10 +99,9 @@ def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, .
         return surface, None, ()
     cloth_nodes = np.unique(surface.faces[~small[owner]])
     base = np.zeros(count, np.int64)
-    base[surface.faces[:, 0]] = owner
-    base[surface.faces[:, 1]] = owner
-    base[surface.faces[:, 2]] = owner
-    spacing = float(np.median(np.linalg.norm(np.diff(surface.positions[ends], axis=1)[:, 0], axis=1)))
+    base[surface.faces] = owner[:, None]
+    ends = surface.positions[np.stack([surface.faces, np.roll(surface.faces, -1, axis=1)])]
+    spacing = float(np.median(np.linalg.norm(ends[1] - ends[0], axis=-1)))
     tree = cKDTree(surface.positions[cloth_nodes])
     pieces, seats = [], []
     for number in np.flatnonzero(small).tolist():
@@ -125,11 +122,11 @@ def without_trims(surface: Surface) -> tuple[Surface, Trims | None, tuple[str, .
         positions=surface.positions[nodes], faces=faces, panel=surface.panel[chosen], piece=piece,
         seat=np.array(seats),
     )  # fmt: skip
-    rest = replace(
-        surface, faces=surface.faces[~chosen], uv_faces=surface.uv_faces[~chosen],
-        panel=surface.panel[~chosen], file_face=surface.file_face[~chosen],
-    )  # fmt: skip
     numbers = surface.file_face[first[pieces]].tolist()
     listed = ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
     what = "a small shell rides" if len(pieces) == 1 else f"{len(pieces)} small shells ride"
-    return rest, trims, (f"{what} along as rigid trims, such as buttons (first faces: {listed})",)
+    return (
+        surface.with_faces(~chosen),
+        trims,
+        (f"{what} along as rigid trims, such as buttons (first faces: {listed})",),
+    )

@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected, first_connected
+from toile.geometry.normals import area_normals
+from toile.geometry.topology import triangle_topology
 
 TOUCHING = 5e-5
 """Faces whose middle is this close to another piece lie in it [m]."""
@@ -76,28 +77,16 @@ def _leaders(mesh: GarmentMesh) -> Int:
     leader = np.arange(len(mesh.positions), dtype=np.int32)
     if not mesh.flat and len(mesh.stitches):
         closed = (mesh.positions[mesh.stitches[:, 0]] == mesh.positions[mesh.stitches[:, 1]]).all(axis=1)
-        pairs = mesh.stitches[closed]
-        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(leader),) * 2)
-        _, first, label = np.unique(
-            connected_components(graph, directed=False)[1], return_index=True, return_inverse=True
-        )
-        leader = first[label.ravel()].astype(np.int32)
+        leader = first_connected(mesh.stitches[closed], len(leader))
     return leader
 
 
 def _pieces(index: int, mesh: GarmentMesh, node: Int) -> Iterator[_Piece]:
     """Yield what hangs together along edges of two faces: a piece that is sewn on is one of its own."""
     faces = node[mesh.faces]
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    keys = ends[:, 0].astype(np.int64) * len(node) + ends[:, 1]
-    order = np.argsort(keys, kind="stable")
-    _, start, sides = np.unique(keys[order], return_index=True, return_counts=True)
-    start = start[sides == 2]
-    pairs = np.column_stack([order[start] // 3, order[start + 1] // 3])
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(faces), len(faces)))
-    label = connected_components(graph, directed=False)[1]
+    label = connected(triangle_topology(faces).neighbour_pairs, len(faces))
     corners = mesh.positions[mesh.faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = np.linalg.norm(area_normals(corners), axis=1)
     for number in range(int(label.max(initial=-1)) + 1):
         own = np.flatnonzero(label == number).astype(np.int32)
         yield _Piece(index, own, np.unique(faces[own]), 0.5 * float(area[own].sum()))
@@ -150,7 +139,7 @@ def _within(point: Float, corners: Float, normal: Float) -> Bool:
 
 
 def _normals(corners: Float) -> Float:
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = area_normals(corners)
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))
 
 

@@ -16,6 +16,7 @@ from toile.collide.segments import SegmentTest
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
+from toile.geometry.normals import area_normals
 
 STEP = 0.01
 FARTHEST = 0.8
@@ -136,7 +137,7 @@ def lift_over_shoulders(
 
 def _outward(corners: Float) -> Float:
     """Return the unit normal of a flat panel's faces (t, 3, 3), on the right side, away from the body."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    normal = area_normals(corners).sum(axis=0)
     return np.asarray(normal / np.linalg.norm(normal))
 
 

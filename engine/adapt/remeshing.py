@@ -3,8 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array, diags_array
 
 from toile.engine.adapt.patch_gate import PatchGate
 from toile.engine.adapt.remeshing_record import NOISE, Remeshing
@@ -17,6 +16,7 @@ from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected_vertices
 from toile.geometry.stage_clock import StageClock
 from toile.remesh.adapt.adapt import adapt
 from toile.remesh.adapt.momentum import Motion, with_momentum_of
@@ -271,11 +271,7 @@ def _handles(cloth: Cloth, pinned: Bool, transfer: TransferMap) -> csr_array:
 
 def _motion(cloth: Cloth) -> Motion:
     """Return the cloth in motion, its connected pieces told apart."""
-    faces = cloth.face_nodes
-    count = len(cloth.positions)
-    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(ends[0])), ends), shape=(count, count))
-    piece = connected_components(graph, directed=False)[1]
+    piece = connected_vertices(cloth.face_nodes, len(cloth.positions))
     return Motion(cloth.positions, cloth.velocities, cloth.mass, piece)
 
 

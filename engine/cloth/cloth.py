@@ -7,13 +7,13 @@ vertices (the distinction of Narain, Samii and O'Brien 2012).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array, diags_array
 
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.connected import connected
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,9 +135,7 @@ class Cloth:
         count = len(self.positions)
         if not len(self.stitches):
             return np.arange(count, dtype=np.int32)
-        ones = np.ones(len(self.stitches))
-        graph = coo_array((ones, (self.stitches[:, 0], self.stitches[:, 1])), shape=(count, count))
-        return np.asarray(connected_components(graph, directed=False)[1], np.int32)
+        return connected(self.stitches, count)
 
     def led(self) -> "Cloth":
         """Return the cloth with a handle for every pin, in their order: see `handles`."""
@@ -151,9 +149,8 @@ class Cloth:
         Momentum is kept; a node merged from several has their mass-weighted mean position and velocity.
         """
         count = len(self.positions)
-        pairs = self.stitches[closed]
-        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-        new_count, label = connected_components(graph, directed=False)
+        label = connected(self.stitches[closed], count)
+        new_count = int(label.max(initial=-1)) + 1
         mass = self.mass
         total = np.bincount(label, weights=mass, minlength=new_count)
 

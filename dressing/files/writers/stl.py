@@ -3,12 +3,13 @@
 import numpy as np
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.normals import area_normals
 
 
 def stl_bytes(positions: Float, faces: Int) -> bytes:
     """Return a binary STL file with unit normals."""
     corners = positions[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     rows = np.zeros(
         len(faces), dtype=[("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
