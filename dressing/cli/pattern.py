@@ -142,7 +142,6 @@ def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar
     from toile.dressing.files.on_disk import is_file
     from toile.dressing.pattern.drawn.drawing import drawn_svg
     from toile.dressing.pattern.drawn.read_drawn import read_drawn, told, told_or_sure, write_suggestions
-    from toile.dressing.pattern.drawn.seams_file import seams_file_of
     from toile.dressing.pattern.drawn.suggest import suggest_seams
     from toile.dressing.pattern.drawn.unfold import unfolded
     from toile.dressing.pattern.garmentcode import check_pattern
@@ -158,7 +157,7 @@ def _show_drawn(path: Path, output: Path | None, options: "DrawnOptions", avatar
     if drawn.seams is None:
         suggestions = suggest_seams(drawn)
         drawn, questions = replace(drawn, seams=suggestions.sure), (*suggestions.questions, *left)
-        file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
+        file = options.seams_file(path)
         if not is_file(file):
             write_suggestions(drawn, suggestions, file)
             print(f"wrote {file} and {file.with_suffix('.svg').name}")

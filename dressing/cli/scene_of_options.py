@@ -15,6 +15,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
     """Return the scene of a file, of the options, or of a file with options that win over it."""
     from dataclasses import replace
 
+    from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
     from toile.dressing.run.air import Air
     from toile.dressing.run.scene import AvatarFile, Garment, Scene
     from toile.dressing.run.scene_file import load_scene
@@ -46,7 +47,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
             source, size=options.size, allowance=options.allowance, seams=options.seams,
             units=options.pattern_units,
         )
-        if Path(source).suffix.lower() in (".dxf", ".svg")
+        if Path(source).suffix.lower() in DRAWN_FORMATS
         else Garment(source)
         for source in options.garment
     )  # fmt: skip

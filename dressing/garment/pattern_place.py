@@ -1,12 +1,10 @@
 """Patterns drawn about another origin: moved to the body by the edges whose place on it is known."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.pattern.pattern import Pattern
-from toile.dressing.pattern.pattern_outline import to_world
+from toile.dressing.pattern.pattern_outline import edge_ends, to_world
 from toile.dressing.pattern.roles import EdgeRole
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
@@ -47,22 +45,15 @@ def moved_to_body(pattern: Pattern, form: DressForm) -> Pattern:
     )
     note = f"The pattern lies about another origin (by its {role} edges) and is moved {said}."
     x, y, z = shift.tolist()
-    panels = tuple(
-        replace(
-            panel,
-            translation=(panel.translation[0] + x, panel.translation[1] + y, panel.translation[2] + z),
-        )
-        for panel in pattern.panels
-    )
-    return replace(pattern, panels=panels, notes=(*pattern.notes, note))
+    return pattern.moved((x, y, z), note)
 
 
 def _on_edges(pattern: Pattern, role: EdgeRole) -> Float:
     """Corners of edges of a role where the pattern places them [m], shape (k, 3)."""
     places = [
-        to_world(panel, np.array([panel.vertices[edge.start], panel.vertices[edge.end]]))
+        edge_ends(panel, number)
         for panel in pattern.panels
-        for edge in panel.edges
+        for number, edge in enumerate(panel.edges)
         if edge.role == role
     ]
     return np.concatenate(places) if places else np.empty((0, 3))

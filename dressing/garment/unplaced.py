@@ -16,8 +16,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.pattern_place import LEVELS
 from toile.dressing.pattern.pattern import Panel, Pattern, Stitch
-from toile.dressing.pattern.pattern_outline import is_clockwise, to_world
-from toile.geometry.arrays import Float
+from toile.dressing.pattern.pattern_outline import edge_ends, is_clockwise, to_world
 from toile.geometry.errors import InputError
 
 BESIDE, BESIDE_ARMHOLE = 0.04, 0.09
@@ -55,7 +54,7 @@ def placed_by_seams(pattern: Pattern, form: DressForm) -> Pattern:
     while waiting:
         name = waiting.popleft()
         for stitch in pattern.stitches:
-            other = _partner(stitch, name)
+            other = stitch.partner(name)
             if other is None or other in done:
                 continue
             side = math.copysign(1.0, done[name].translation[2] - _middle_depth(body))
@@ -86,13 +85,6 @@ def _size(panel: Panel) -> float:
 
 def _middle_depth(body: Measurements) -> float:
     return 0.5 * sum(body.torso_depth)
-
-
-def _partner(stitch: Stitch, name: str) -> str | None:
-    """Return the other panel of a stitch, None if the named one is not in it."""
-    if name not in (stitch.panel_a, stitch.panel_b):
-        return None
-    return stitch.panel_b if stitch.panel_a == name else stitch.panel_a
 
 
 def _turn(panel: Panel, side: float) -> float:
@@ -128,9 +120,9 @@ def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float, body: Meas
     first, second = (stitch.panel_a, stitch.edge_a), (stitch.panel_b, stitch.edge_b)
     if first[0] != placed.name:
         first, second = second, first
-    there = _ends(placed, first[1])[:, :2]
+    there = edge_ends(placed, first[1])[:, :2]
     flat = replace(panel, translation=(0.0, 0.0, 0.0), rotation_degrees=(0.0, _turn(panel, side), 0.0))
-    here = _ends(flat, second[1])[:, :2]
+    here = edge_ends(flat, second[1])[:, :2]
     if not stitch.right_wrong:
         here = here[::-1]
     wanted, own = there[1] - there[0], here[1] - here[0]
@@ -152,9 +144,3 @@ def _beside(placed: Panel, panel: Panel, stitch: Stitch, side: float, body: Meas
         translation=(float(x), float(y), placed.translation[2] - side * NEARER),
         rotation_degrees=(0.0, flat.rotation_degrees[1], math.degrees(angle)),
     )
-
-
-def _ends(panel: Panel, number: int) -> Float:
-    """Return the ends of an edge where its panel is placed [m], shape (2, 3)."""
-    edge = panel.edges[number]
-    return to_world(panel, np.array([panel.vertices[edge.start], panel.vertices[edge.end]]))

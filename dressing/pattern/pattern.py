@@ -1,6 +1,6 @@
 """A sewing pattern: flat panels placed in space, and the seams between their edges. All lengths in metres."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.dressing.pattern.seam import Seam
@@ -131,6 +131,12 @@ class Stitch:
         """Such as "left_sleeve_f.0 - left_sleeve_b.5"."""
         return f"{self.panel_a}.{self.edge_a} - {self.panel_b}.{self.edge_b}"
 
+    def partner(self, panel: str) -> str | None:
+        """Return the panel that it sews to a panel, None if that is not in it."""
+        if panel not in (self.panel_a, self.panel_b):
+            return None
+        return self.panel_b if self.panel_a == panel else self.panel_a
+
 
 @dataclass(frozen=True, kw_only=True)
 class Pattern:
@@ -152,3 +158,12 @@ class Pattern:
             if panel.name == name:
                 return panel
         raise KeyError(name)
+
+    def moved(self, way: tuple[float, float, float], note: str) -> "Pattern":
+        """Return the pattern with all panels moved [m], and a note on it."""
+        x, y, z = way
+        panels = []
+        for panel in self.panels:
+            px, py, pz = panel.translation
+            panels.append(replace(panel, translation=(px + x, py + y, pz + z)))
+        return replace(self, panels=tuple(panels), notes=(*self.notes, note))

@@ -87,6 +87,12 @@ def to_world(panel: Panel, points: Float) -> Float:
     return np.ascontiguousarray(points @ rotation[:, :2].T + np.array(panel.translation))
 
 
+def edge_ends(panel: Panel, edge: int) -> Float:
+    """Return the start and the end of an edge where its panel is placed [m], shape (2, 3)."""
+    side = panel.edges[edge]
+    return to_world(panel, np.array([panel.vertices[side.start], panel.vertices[side.end]]))
+
+
 def rotation_matrix(degrees: tuple[float, float, float]) -> Float:
     """Rotation about x, then y, then z, all axes fixed in the world: Rz Ry Rx, shape (3, 3)."""
     (cx, sx), (cy, sy), (cz, sz) = ((_cos(d), _sin(d)) for d in degrees)

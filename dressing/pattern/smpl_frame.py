@@ -1,7 +1,5 @@
 """Patterns placed in the frame of SMPL, whose origin lies in the chest of the body, moved up."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from toile.dressing.pattern.pattern import Pattern
@@ -28,11 +26,7 @@ def on_the_floor(pattern: Pattern, body: Float) -> Pattern:
     fits = heights.min() + up > feet - BELOW_FEET and heights.max() + up < crown + BELOW_FEET
     if heights.min() > feet - BELOW_FEET or not fits:
         return pattern
-    panels = tuple(
-        replace(panel, translation=(panel.translation[0], panel.translation[1] + up, panel.translation[2]))
-        for panel in pattern.panels
-    )
     note = (
         f"The pattern is placed for a body with its origin at the chest (SMPL) and starts {up:.2f} m higher."
     )
-    return replace(pattern, panels=panels, notes=(*pattern.notes, note))
+    return pattern.moved((0.0, up, 0.0), note)

@@ -5,7 +5,7 @@ from collections import deque
 import numpy as np
 
 from toile.dressing.pattern.pattern import Pattern, Stitch
-from toile.dressing.pattern.pattern_outline import to_world
+from toile.dressing.pattern.pattern_outline import edge_ends
 from toile.geometry.errors import InputError
 
 SHORTER = 0.75
@@ -15,28 +15,33 @@ CROSSED = 0.6
 
 
 def check_twists(pattern: Pattern) -> None:
-    """Raise InputError naming a seam that twists its panels.
+    """Raise InputError naming a seam that twists its panels."""
+    found = twisted_seam(pattern)
+    if found is None:
+        return
+    stitch, why = found
+    number = pattern.stitches.index(stitch)
+    remedy = 'remove "right_wrong" from it' if stitch.right_wrong else 'turn it round (add "right_wrong")'
+    raise InputError(
+        f"{pattern.name}: stitch {number} ({stitch.name}) twists: {why}; {remedy}",
+        field=f"pattern.stitches.{number}",
+    )
+
+
+def twisted_seam(pattern: Pattern) -> tuple[Stitch, str] | None:
+    """Return a seam that twists its panels, and why it does, or None.
 
     Two kinds are found: a seam that sews right sides to wrong ones where the other seams say otherwise (a
     strip with a half turn, which has no right side), and one whose ends lie crosswise where panels start.
     """
     odd = _odd_seam(pattern)
     if odd is not None:
-        raise _twisted(pattern, odd, "the other seams sew these panels right side to right side")
+        return odd, "the other seams sew these panels right side to right side"
     for stitch in pattern.stitches:
         now, turned, length = _end_distances(pattern, stitch)
         if turned < SHORTER * now and now - turned > CROSSED * length:
-            raise _twisted(pattern, stitch, "its ends lie crosswise where the panels are placed")
-
-
-def _twisted(pattern: Pattern, stitch: Stitch, why: str) -> InputError:
-    """Return the error about a seam."""
-    number = pattern.stitches.index(stitch)
-    remedy = 'remove "right_wrong" from it' if stitch.right_wrong else 'turn it round (add "right_wrong")'
-    return InputError(
-        f"{pattern.name}: stitch {number} ({stitch.name}) twists: {why}; {remedy}",
-        field=f"pattern.stitches.{number}",
-    )
+            return stitch, "its ends lie crosswise where the panels are placed"
+    return None
 
 
 def _odd_seam(pattern: Pattern) -> Stitch | None:
@@ -55,9 +60,9 @@ def _odd_seam(pattern: Pattern) -> Stitch | None:
         while waiting:
             name = waiting.popleft()
             for stitch in pattern.stitches:
-                if name not in (stitch.panel_a, stitch.panel_b):
+                other = stitch.partner(name)
+                if other is None:
                     continue
-                other = stitch.panel_b if stitch.panel_a == name else stitch.panel_a
                 wanted = side[name] ^ stitch.right_wrong
                 if other not in side:
                     side[other], came_by[other] = wanted, stitch
@@ -76,15 +81,11 @@ def _odd_seam(pattern: Pattern) -> Stitch | None:
 
 def _end_distances(pattern: Pattern, stitch: Stitch) -> tuple[float, float, float]:
     """Sum of the distances of ends that meet [m], the same if it were turned round, and the seam's length."""
-    ends = []
-    for name, number in ((stitch.panel_a, stitch.edge_a), (stitch.panel_b, stitch.edge_b)):
-        panel = pattern.panel(name)
-        edge = panel.edges[number]
-        ends.append(to_world(panel, np.array([panel.vertices[edge.start], panel.vertices[edge.end]])))
-    first, second = ends
+    first = edge_ends(pattern.panel(stitch.panel_a), stitch.edge_a)
+    second = edge_ends(pattern.panel(stitch.panel_b), stitch.edge_b)
     # Panels that lie beyond all reason are named where their places are checked.
     with np.errstate(over="ignore"):
         straight = float(np.linalg.norm(first - second, axis=1).sum())
         turned = float(np.linalg.norm(first - second[::-1], axis=1).sum())
-    length = min(float(np.linalg.norm(end[1] - end[0])) for end in ends)
+    length = min(float(np.linalg.norm(end[1] - end[0])) for end in (first, second))
     return (straight, turned, length) if stitch.right_wrong else (turned, straight, length)

@@ -12,6 +12,7 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.kernels import (
@@ -34,7 +35,7 @@ from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import Spent, now, together
 
-PATTERNS = (".json", ".dxf", ".svg")
+PATTERNS = (".json", *DRAWN_FORMATS)
 """Ends of the names of files that hold panels to be sewn."""
 MOST_RETRIED = 8e5
 """Faces times Newton iterations in jammed attempts after which the next is the last: 20 CPU s or so."""

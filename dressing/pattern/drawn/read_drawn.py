@@ -29,6 +29,10 @@ class DrawnOptions:
     allowance: float | None = None
     seams: Path | tuple[str, ...] | None = None
 
+    def seams_file(self, path: Path) -> Path:
+        """Return the seams file of a pattern: the one given, or the one beside it."""
+        return self.seams if isinstance(self.seams, Path) else seams_file_of(path)
+
 
 def read_drawn(path: Path, options: DrawnOptions) -> DrawnPattern:
     """Return the pieces of a file. Raises InputError naming what is wrong, or an option it does not take."""
@@ -45,7 +49,7 @@ def read_drawn(path: Path, options: DrawnOptions) -> DrawnPattern:
 def told(path: Path, options: DrawnOptions) -> Told:
     """Return the pieces of a file with what a seams file says: the one given, or the one beside it."""
     drawn = read_drawn(path, options)
-    file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
+    file = options.seams_file(path)
     said = Told(drawn, {})
     if isinstance(options.seams, Path) or is_file(file):
         said = apply_seams_file(drawn, file)
@@ -69,7 +73,7 @@ def told_or_sure(path: Path, options: DrawnOptions) -> Told:
     if said.drawn.seams is not None:
         return said
     suggestions = suggest_seams(said.drawn)
-    file = options.seams if isinstance(options.seams, Path) else seams_file_of(path)
+    file = options.seams_file(path)
     if not is_file(file):
         write_suggestions(said.drawn, suggestions, file)
     if suggestions.questions:

@@ -9,7 +9,7 @@ from toile.dressing.body.mannequin import mannequin
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.garmentcode_loops import reversed_loop
 from toile.dressing.pattern.pattern import Pattern
-from toile.dressing.pattern.twisted_seams import check_twists
+from toile.dressing.pattern.twisted_seams import check_twists, twisted_seam
 from toile.geometry.errors import InputError
 
 
@@ -21,6 +21,7 @@ def tshirt() -> Pattern:
 
 
 def test_a_right_pattern_passes(tshirt: Pattern) -> None:
+    assert twisted_seam(tshirt) is None
     check_twists(tshirt)
 
 
