@@ -20,6 +20,7 @@ from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
+from toile.dressing.wear.watch import strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
@@ -179,7 +180,8 @@ class _Shown:
         if self._frames is not None and frame.index >= self._motion.lead:
             self._write(self._frames, frame.index - self._motion.lead)
         if frame.stretch_max > max(self.tightest[0], TIGHT):
-            self.tightest = (frame.stretch_max, frame.index, _tightest_place(self.garments))
+            tightest, *_ = strained_places(frame.cloth, self.garments, self._place, beyond=0.0)
+            self.tightest = (frame.stretch_max, frame.index, tightest.where)
         if not self.crossing and (len(frame.crossings.avatar) or len(frame.crossings.cloth)):
             where = place_of(frame.cloth, frame.crossings, self.garments, self._place)
             self.crossing = f"{self._motion.name(frame.index)}; {where}"
@@ -204,16 +206,6 @@ class _Shown:
             content = ply_bytes(garment.positions, garment.faces, corner_uv, garment.velocities)
             write_atomic(frame_path(frames, garment.name, index), content)
         write_atomic(frame_path(frames, BODY_NAME, index), ply_bytes(self.skin, self._avatar.faces))
-
-
-def _tightest_place(garments: tuple[DressedGarment, ...]) -> str:
-    """Say in words where garments are stretched most: garment, panel and coordinates [m, Y up]."""
-    garment = max(garments, key=lambda one: 0.0 if one.strain is None else float(one.strain.max()))
-    assert garment.strain is not None
-    face = int(garment.strain.max(axis=1).argmax())
-    x, y, z = garment.positions[garment.faces[face]].mean(axis=0)
-    panel = garment.panel_names[garment.panel[face]]
-    return f"garment {garment.name}: {panel}; near ({x:.2f}, {y:.2f}, {z:.2f}) m"
 
 
 def _tight_sentence(made: FilmRecord, shown: _Shown, motion: VertexMotion) -> str:

@@ -12,6 +12,7 @@ from toile.dressing.wear.strain import warp_weft_strain
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.drape.plan import Frame
 from toile.geometry.arrays import Bool, Float
+from toile.geometry.normals import area_normals
 
 GROWN, GROWN_AT_END = 3.0, 1.5
 """Area of a garment over what was cut at which a drape is stopped; at which it has failed in the end."""
@@ -136,22 +137,22 @@ def garment_areas(cloth: Cloth, count: int) -> Float:
 
 
 def strained_places(
-    cloth: Cloth, garments: Sequence[Panelled], place: Place = ROOM
+    cloth: Cloth, garments: Sequence[Panelled], place: Place = ROOM, beyond: float = STRAINED
 ) -> tuple[StrainedPlace, ...]:
-    """Return the panels where cloth is stretched by more than STRAINED, the most first, at most NAMED."""
+    """Return the panels where cloth is stretched by more than `beyond`, the most first, at most NAMED."""
     strain = warp_weft_strain(cloth).max(axis=1)
     found = []
     for index, garment in enumerate(garments):
         for panel, name in enumerate(garment.panel_names):
             own: Bool = (cloth.garment == index) & (cloth.panel == panel)
-            if not own.any() or strain[own].max() <= STRAINED:
+            if not own.any() or strain[own].max() <= beyond:
                 continue
             face = int(np.flatnonzero(own)[strain[own].argmax()])
             x, y, z = place.outward(cloth.positions[cloth.face_nodes[face]].mean(axis=0))
             found.append(
                 StrainedPlace(
                     percent=100.0 * float(strain[face]),
-                    faces=int(np.count_nonzero(strain[own] > STRAINED)),
+                    faces=int(np.count_nonzero(strain[own] > beyond)),
                     where=f"garment {garment.name}: {name}, near ({x:.2f}, {y:.2f}, {z:.2f}) m",
                 )
             )
@@ -159,6 +160,4 @@ def strained_places(
 
 
 def _areas(cloth: Cloth) -> Float:
-    corners = cloth.positions[cloth.face_nodes]
-    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(0.5 * np.linalg.norm(doubled, axis=1))
+    return np.asarray(0.5 * np.linalg.norm(area_normals(cloth.positions[cloth.face_nodes]), axis=1))

@@ -9,15 +9,16 @@ from toile.collide.skins.skin_slots import SkinSlots
 from toile.engine.cloth.vertex_motion import Between, VertexMotion
 from toile.geometry.arrays import Bool, Float, Int
 
+ALL = slice(None)
 NEAR = 0.1
 """Skin this far from cloth is held apart [m]: what comes near within two frames."""
 
 
 class _Known(NamedTuple):
-    """The way of some vertices, shape (k,), from a frame to the next."""
+    """The way of some vertices, shape (k,), or all, from a frame to the next."""
 
     frame: int
-    part: Int
+    part: Int | slice
     way: Between
 
 
@@ -43,8 +44,8 @@ class AvatarPath:
         distance, _ = cKDTree(cloth).query(avatar, distance_upper_bound=NEAR)
         self._near = np.asarray(distance) < NEAR
 
-    def at(self, seconds: float, part: Int) -> Float:
-        """Positions of some vertices, shape (k,), at a time [m], shape (k, 3)."""
+    def at(self, seconds: float, part: Int | slice = ALL) -> Float:
+        """Positions at a time [m], shape (v, 3), or those of some vertices, shape (k,)."""
         index, s = self.motion.place(seconds)
         if s <= 1e-9 or s >= 1.0 - 1e-9:
             return self._pose(index + round(s))[part]

@@ -53,7 +53,6 @@ class Simulation(ClothRun):
         self.skin: AvatarSkin | None = None
         if motion is not None and avatar is not None:
             self.path, self.skin = AvatarPath(motion, avatar[1]), AvatarSkin(*avatar)
-        self._all = np.arange(0 if avatar is None else len(avatar[0]), dtype=np.int32)
         self.record = FilmRecord()
         self._meshed_at = cloth.positions
         limits = StepLimits(
@@ -131,9 +130,9 @@ class Simulation(ClothRun):
         now = self.clock.now()
         path, left = self.path, self._frame_time() + self.plan.frame_seconds - since
         if length:
-            skin.whole(path.at(since, self._all))
+            skin.whole(path.at(since))
         near = skin.focus(
-            (stepper.x, self.cloth.face_nodes), left * stepper.v, path.at(since + left, self._all),
+            (stepper.x, self.cloth.face_nodes), left * stepper.v, path.at(since + left),
             lambda share, part: path.at(since + share * left, part),
         )  # fmt: skip
         self.surface = near.surface
@@ -286,7 +285,7 @@ class Simulation(ClothRun):
         """Audit the cloth as it is, pass it to the caller and record it."""
         record = self.record
         if self.path is not None and self.skin is not None and record.crossings:
-            self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds, self._all))
+            self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds))
             self.stepper.forget()
             self.auditor = None
         crossings = self.audited_cloth()
