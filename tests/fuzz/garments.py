@@ -1,12 +1,13 @@
 """Garments that toile mends or places: exports with the usual faults, and patterns without places."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tests.dressing.garment.mesh_parts import obj_text, octahedron, tube
 from tests.fuzz.drawn import form
 from toile.dressing.garment.mesh_garment import read_mesh_garment
 from toile.dressing.garment.pattern_mesh import mesh_pattern
@@ -15,7 +16,6 @@ from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.garmentcode import check_pattern, read_garmentcode
 from toile.dressing.pattern.smpl_frame import on_the_floor
 from toile.dressing.pattern.twisted_seams import check_twists
-from toile.geometry.arrays import Float
 
 
 def placed_patterns() -> Iterable[tuple[str, bytes]]:
@@ -72,11 +72,10 @@ def placed_pattern(path: Path) -> object:
 
 def dirty_meshes() -> Iterable[tuple[str, bytes]]:
     """A tube with doubled, flat and flipped faces, gaps, a fin and a button; and one with two walls."""
-    outer, faces = _tube(0.3)
-    inner, _ = _tube(0.299)
+    (outer, faces), (inner, _) = (tube(radius, 16, 3, 0.05) for radius in (0.3, 0.299))
     count = len(outer)
     walls = [*faces, *(tuple(count + corner for corner in reversed(face)) for face in faces)]
-    yield ".obj", _obj(("walls", np.concatenate([outer, inner]), walls))
+    yield ".obj", obj_text((np.concatenate([outer, inner]), walls)).encode()
     first = faces[0]
     cap = 0.5 * (outer[first[0]] + outer[first[1]])
     vertices = np.concatenate([outer, [cap, outer[first[0]] + 2e-5, outer[first[2]] * (1.2, 1.0, 1.2)]])
@@ -84,33 +83,7 @@ def dirty_meshes() -> Iterable[tuple[str, bytes]]:
         *faces, first, first[::-1], (first[0], count, first[1]), (first[0], first[0], first[1]),
         (first[1], first[2], count + 2), (count + 1, first[1], first[2]), faces[5][::-1],
     ]  # fmt: skip
-    button = 0.006 * np.concatenate([np.eye(3), -np.eye(3)]) + (0.0, 1.06, 0.302)
-    button_faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
-    yield ".obj", _obj(("tube", vertices, broken), ("button", button, button_faces))
-
-
-def _tube(radius: float, around: int = 16, rows: int = 3) -> tuple[Float, Sequence[tuple[int, ...]]]:
-    """Return quads of a tube about the vertical axis."""
-    angle = 2.0 * np.pi * np.arange(around) / around
-    ring = np.column_stack([radius * np.sin(angle), np.zeros(around), radius * np.cos(angle)])
-    vertices = np.concatenate([ring + np.array([0.0, 1.0 + 0.05 * row, 0.0]) for row in range(rows + 1)])
-    faces = [
-        (row * around + i, row * around + (i + 1) % around, (row + 1) * around + (i + 1) % around,
-         (row + 1) * around + i)
-        for row in range(rows) for i in range(around)
-    ]  # fmt: skip
-    return vertices, faces
-
-
-def _obj(*parts: tuple[str, Float, Sequence[tuple[int, ...]]]) -> bytes:
-    """Return groups of an OBJ file."""
-    lines, first = [], 1
-    for name, vertices, faces in parts:
-        lines.append(f"g {name}")
-        lines += ["v {:.9g} {:.9g} {:.9g}".format(*vertex) for vertex in vertices.tolist()]
-        lines += ["f " + " ".join(str(first + corner) for corner in face) for face in faces]
-        first += len(vertices)
-    return "\n".join(lines).encode()
+    yield ".obj", obj_text((vertices, broken), octahedron((0.0, 1.06, 0.302), 0.006)).encode()
 
 
 def one_layer(path: Path) -> object:

@@ -275,7 +275,7 @@ def sparse(glb: Glb, body: Body, dtype: str) -> Float:
 FEATURES: tuple[Feature, ...] = (at_a_node, below_two_nodes, instanced, morphed, skinned, sparse)
 
 
-@pytest.mark.parametrize(("feature", "dtype"), product(FEATURES, PACKED))
+@pytest.mark.parametrize(("feature", "dtype"), list(product(FEATURES, PACKED)))
 @given(body=bodies())
 @CALM
 def test_gltf_of_every_feature(feature: Feature, dtype: str, folder: Path, body: Body) -> None:

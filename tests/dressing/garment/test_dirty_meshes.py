@@ -1,48 +1,13 @@
 """Meshes with the usual faults of exports become the garment that was meant, with a note."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.dressing.garment.mesh_parts import octahedron, read, tube
 from toile.dressing.garment.garment_mesh import GarmentMesh
-from toile.dressing.garment.mesh_garment import read_mesh_garment
-from toile.geometry.arrays import Float, Int
-
-Part = tuple[Float, Sequence[tuple[int, ...]]]
-
-
-def tube(radius: float = 0.3, around: int = 40, rows: int = 12) -> Part:
-    """Quads of a tube about the vertical axis, from 1 m up, 0.24 m high."""
-    angle = 2.0 * np.pi * np.arange(around) / around
-    ring = np.column_stack([radius * np.sin(angle), np.zeros(around), radius * np.cos(angle)])
-    vertices = np.concatenate([ring + np.array([0.0, 1.0 + 0.02 * row, 0.0]) for row in range(rows + 1)])
-    faces = [
-        (row * around + i, row * around + (i + 1) % around, (row + 1) * around + (i + 1) % around,
-         (row + 1) * around + i)
-        for row in range(rows) for i in range(around)
-    ]  # fmt: skip
-    return vertices, faces
-
-
-def ball(centre: tuple[float, float, float], radius: float) -> Part:
-    """An octahedron."""
-    corners = radius * np.concatenate([np.eye(3), -np.eye(3)]) + centre
-    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
-    return corners, faces
-
-
-def read(folder: Path, *parts: Part, walls: int = 1) -> GarmentMesh:
-    """Write parts as groups of an OBJ file and read it."""
-    lines, first = [], 1
-    for number, (vertices, faces) in enumerate(parts):
-        lines.append(f"g part{number}")
-        lines += ["v {:.9g} {:.9g} {:.9g}".format(*vertex) for vertex in vertices.tolist()]
-        lines += ["f " + " ".join(str(first + corner) for corner in face) for face in faces]
-        first += len(vertices)
-    (folder / "dirty.obj").write_text("\n".join(lines) + "\n")
-    return read_mesh_garment(folder / "dirty.obj", walls=walls)
+from toile.geometry.arrays import Int
 
 
 def area(mesh: GarmentMesh) -> float:
@@ -131,7 +96,7 @@ def test_two_walls_are_one_layer_of_that_thickness(tmp_path: Path, thickness: fl
 
 
 def test_small_shells_ride_along_rigidly(tmp_path: Path) -> None:
-    buttons = [ball((0.0, 1.06 + 0.06 * number, 0.305), 0.008) for number in range(3)]
+    buttons = [octahedron((0.0, 1.06 + 0.06 * number, 0.305), 0.008) for number in range(3)]
     mesh = read(tmp_path, tube(), *buttons)
     assert mesh.trims is not None and len(mesh.trims.seat) == 3
     assert mesh.notes[0].startswith("3 small shells ride along as rigid trims")
@@ -150,4 +115,4 @@ def test_small_shells_ride_along_rigidly(tmp_path: Path) -> None:
 def test_loose_triangles_and_small_cloth_are_no_trims(tmp_path: Path) -> None:
     triangle = np.array([(0.0, 1.1, 0.31), (0.01, 1.1, 0.31), (0.0, 1.11, 0.31)])
     assert read(tmp_path, tube(), (triangle, [(0, 1, 2)])).trims is None
-    assert read(tmp_path, ball((0.0, 1.0, 0.0), 0.02)).trims is None
+    assert read(tmp_path, octahedron((0.0, 1.0, 0.0), 0.02)).trims is None

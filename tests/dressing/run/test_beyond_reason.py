@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.dressing.garment.test_dirty_meshes import ball, read, tube
+from tests.dressing.garment.mesh_parts import octahedron, read, tube
 from toile.collide.audit import Crossings
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.cli.main import main
@@ -94,7 +94,7 @@ def test_a_sheet_beside_the_body_falls_to_the_floor(
 
 def test_buttons_do_not_explode(tmp_path: Path) -> None:
     """A tube that hangs from its upper edge: its cloth keeps its area and its buttons their shape."""
-    buttons = [ball((0.0, 0.66 + 0.08 * number, 0.305), 0.008) for number in range(2)]
+    buttons = [octahedron((0.0, 0.66 + 0.08 * number, 0.305), 0.008) for number in range(2)]
     vertices, faces = tube()
     read(tmp_path, (vertices - np.array([0.0, 0.4, 0.0]), faces), *buttons)
     garment = Garment(tmp_path / "dirty.obj", pins=tuple(range(480, 520)))

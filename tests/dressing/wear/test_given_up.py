@@ -7,7 +7,7 @@ import pytest
 
 import toile
 from tests.dressing.conftest import FakeDrape
-from tests.dressing.garment.test_dirty_meshes import read, tube
+from tests.dressing.garment.mesh_parts import read, tube
 from toile.dressing.run import hang
 from toile.dressing.wear import put_on
 
