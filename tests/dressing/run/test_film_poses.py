@@ -60,8 +60,15 @@ def arm_to_body(vertices: Float) -> float:
 
 @pytest.mark.parametrize(
     ("garment", "pose"),
-    [("tshirt", {"lowered": 50.0}), ("trousers", {"lowered": 50.0, "ahead": 52.0, "seat": 90.0})],
-    ids=["arms rub the trunk", "on a seat, hands on the thighs"],
+    [
+        pytest.param("tshirt", {"lowered": 50.0}, id="arms rub the trunk"),
+        pytest.param(
+            "trousers",
+            {"lowered": 50.0, "ahead": 52.0, "seat": 90.0},
+            id="on a seat, hands on the thighs",
+            marks=pytest.mark.slow,
+        ),
+    ],
 )
 def test_a_body_that_touches_itself(garment: str, pose: dict[str, float], tmp_path: Path) -> None:
     radians = {name: float(np.radians(angle)) for name, angle in pose.items()}
