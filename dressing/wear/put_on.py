@@ -24,6 +24,7 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
@@ -172,7 +173,9 @@ def _put_on(
     for mesh, fabric in garments:
         lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
         notes += said
-        layered, said = flared_outside(lifted)
+        hung, said = hung_below(lifted, shoulder)
+        notes += said
+        layered, said = flared_outside(hung)
         notes += said
         placed.append((layered, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
