@@ -28,6 +28,7 @@ from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.raised_arms import raised_arms
+from toile.dressing.wear.rings import rolled_rings
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
@@ -185,7 +186,9 @@ def _put_on(
         notes += said
         layered, said = flared_outside(hung)
         notes += said
-        placed.append((layered, fabric))
+        rolled, said = rolled_rings(layered, obstacle[0], shoulder)
+        notes += said
+        placed.append((rolled, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
     notes += said
     meshes, said = clear_panels(meshes, obstacle)
