@@ -13,6 +13,8 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 
+BELOW = 0.1
+"""How far below the shoulders panels may end that hang from them [m]."""
 ROOM = 0.01
 """Room that stays between the edges of two tiers [m]."""
 LEAST = 0.005
@@ -20,7 +22,7 @@ LEAST = 0.005
 
 
 def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Move the tiers of a garment that reaches above the shoulders, at a height [m], to those they hang from.
+    """Move the tiers of a garment that reaches the shoulders, at a height [m], to those they hang from.
 
     Pieces of a tier that hang together move as one, seen from the front, by the mean distance of the seams that
     join them to the tier above. Returns the garment and one sentence for each piece that moved.
@@ -34,7 +36,7 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
     np.maximum.at(top, owner, mesh.positions[:, 1])
     ends = owner[mesh.stitches]
     positions = mesh.positions.copy()
-    done: Bool = top >= shoulder
+    done: Bool = top >= shoulder - BELOW
     notes = []
     while done.any() and not done.all():
         joins = done[ends[:, 0]] != done[ends[:, 1]]

@@ -186,7 +186,7 @@ def _put_on(
         notes += said
         layered, said = flared_outside(hung)
         notes += said
-        rolled, said = rolled_rings(layered, obstacle[0], shoulder)
+        rolled, said = rolled_rings(layered, obstacle, shoulder)
         notes += said
         placed.append((rolled, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])

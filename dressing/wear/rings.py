@@ -9,19 +9,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from toile.collide.rigid_pieces import RigidPieces
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.arms import on_sleeves
+from toile.dressing.wear.hung_below import BELOW
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import area_normals
 
 OPEN = 1.04
 """Circumference of a ring over the width of its panels: their edges start apart."""
+WIDER = 1.0, 1.1, 1.2, 1.35, 1.5, 1.75
+"""Factors on the radius of a ring, the next where the body is in its way."""
 UPRIGHT = 0.98
 """Least share of a panel's normal towards front or back."""
 COLLAR = 0.12
 """Height of a panel above the shoulders that is a collar, at most [m]; hoods are higher."""
-WIDE = 0.25
-"""Least radius of the ring of a tier [m]: smaller ones may not clear the hips."""
-CURLED = 1.02
+BODICE_OPEN, BODICE = 1.1, 0.27
+"""The same of a bodice, which shoulders and bust need room in; largest radius of its ring [m]: one with sleeves cut
+on stays flat."""
+WIDE = 0.1
+"""Least radius of the ring of a tier [m]."""
+CURLED = 1.05
 """Length of a panel's upper seam over the distance of its ends up to which it is rolled: it is no flare."""
 
 
@@ -34,13 +42,17 @@ class Ring:
     collar: bool
 
 
-def rolled_rings(mesh: GarmentMesh, body: Float, shoulder: float) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Roll the rings of a garment around a body, vertices (v, 3) [m], whose shoulders are at a height [m].
+def rolled_rings(
+    mesh: GarmentMesh, avatar: tuple[Float, Int], shoulder: float
+) -> tuple[GarmentMesh, tuple[str, ...]]:
+    """Roll the rings of a garment around a body, vertices (v, 3) [m] and faces, whose shoulders are at a height [m].
 
+    A ring starts as narrow as its panels allow and the body is clear of it; it stays flat where it never is.
     Returns the garment and one sentence for each ring.
     """
-    if not mesh.flat or not len(mesh.stitches):
+    if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
+    body = avatar[0]
     owner = np.zeros(len(mesh.positions), np.int32)
     owner[mesh.faces.ravel()] = np.repeat(mesh.panel, 3)
     positions = mesh.positions.copy()
@@ -51,9 +63,21 @@ def rolled_rings(mesh: GarmentMesh, body: Float, shoulder: float) -> tuple[Garme
         there = body[(body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)]
         depth = float(there[:, 2].min() + there[:, 2].max()) / 2.0 if len(there) else float(positions[own, 2].mean())
         facing = np.sign(_facing(mesh))[owner[own]]
-        positions[own] = rolled(positions[own], facing, ring.radius, depth)
+        faces = mesh.faces[ring.panels[mesh.panel]]
+        for factor in WIDER:
+            trial = positions.copy()
+            trial[own] = rolled(positions[own], facing, factor * ring.radius, depth)
+            piece = RigidPieces(trial, faces, np.zeros(len(faces), np.int32), avatar)
+            if not piece.crosses_avatar(0, np.zeros(3)):
+                break
+        else:
+            continue
+        positions = trial
         names = ", ".join(np.array(mesh.panel_names)[ring.panels])
-        notes.append(f"garment {mesh.name}: {names} start rolled around the body")
+        notes.append(
+            f"garment {mesh.name}: {names} start rolled around the body, {100.0 * factor * ring.radius:.0f} cm from "
+            "its middle"
+        )
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
@@ -78,6 +102,14 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
     found = []
     if collar.any():
         found.append(_ring(collar, low, high, True))
+    bodice = upright & (high[:, 1] >= shoulder - BELOW) & ~collar
+    bodice[owner[on_sleeves(mesh)]] = False
+    sides = [bodice & (side * facing > 0.0) for side in (1.0, -1.0)]
+    if all(side.any() for side in sides):
+        width = sum(float(high[side, 0].max() - low[side, 0].min()) for side in sides)
+        ring = Ring(bodice, BODICE_OPEN * width / (2.0 * np.pi), False)
+        if ring.radius < BODICE:
+            found.append(ring)
     ends = owner[mesh.stitches]
     for seam in np.unique(mesh.seam):
         one, other = ends[mesh.seam == seam][0].tolist()
