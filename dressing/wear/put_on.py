@@ -27,8 +27,9 @@ from toile.dressing.wear.fault import faces_at_fault, place_of
 from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
-from toile.dressing.wear.raised_arms import raised_arms
+from toile.dressing.wear.raised_arms import LEVEL, raised_arms
 from toile.dressing.wear.rings import rolled_rings
+from toile.dressing.wear.sleeve_tubes import rolled_sleeves
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
@@ -178,6 +179,7 @@ def _put_on(
     growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
     obstacle = (clothed.on(thin), clothed.faces)
     shoulder = -np.inf if body is None else body.shoulder_point[1]
+    arm_angle = 0.0 if body is None else float(LEVEL if raised is not None else body.arm_angle)
     placed = []
     for mesh, fabric in garments:
         lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
@@ -186,9 +188,11 @@ def _put_on(
         notes += said
         layered, said = flared_outside(hung)
         notes += said
-        rolled, said = rolled_rings(layered, obstacle, shoulder)
+        ringed, said = rolled_rings(layered, obstacle, shoulder)
         notes += said
-        placed.append((rolled, fabric))
+        tubed, said = rolled_sleeves(ringed, obstacle, body, arm_angle)
+        notes += said
+        placed.append((tubed, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
     notes += said
     meshes, said = clear_panels(meshes, obstacle)

@@ -16,6 +16,7 @@ from toile.dressing.wear.hung_below import BELOW
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import area_normals
 
+UP = np.array([0.0, 1.0])
 OPEN = 1.04
 """Circumference of a ring over the width of its panels: their edges start apart."""
 WIDER = 1.0, 1.1, 1.2, 1.35, 1.5, 1.75
@@ -53,8 +54,7 @@ def rolled_rings(
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
     body = avatar[0]
-    owner = np.zeros(len(mesh.positions), np.int32)
-    owner[mesh.faces.ravel()] = np.repeat(mesh.panel, 3)
+    owner = owner_of(mesh)
     positions = mesh.positions.copy()
     notes = []
     for ring in _rings(mesh, owner, shoulder):
@@ -62,11 +62,11 @@ def rolled_rings(
         level = positions[own, 1]
         there = body[(body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)]
         depth = float(there[:, 2].min() + there[:, 2].max()) / 2.0 if len(there) else float(positions[own, 2].mean())
-        facing = np.sign(_facing(mesh))[owner[own]]
+        facing = np.sign(facing_of(mesh))[owner[own]]
         faces = mesh.faces[ring.panels[mesh.panel]]
         for factor in WIDER:
             trial = positions.copy()
-            trial[own] = rolled(positions[own], facing, factor * ring.radius, depth)
+            trial[own] = rolled(positions[own], facing, factor * ring.radius, UP, 0.0, depth)
             piece = RigidPieces(trial, faces, np.zeros(len(faces), np.int32), avatar)
             if not piece.crosses_avatar(0, np.zeros(3)):
                 break
@@ -81,19 +81,26 @@ def rolled_rings(
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
-def rolled(points: Float, facing: Float, radius: float, depth: float) -> Float:
-    """Bend upright panels, points (n, 3) [m], about the vertical axis at x = 0 and a depth [m].
+def rolled(
+    points: Float, facing: Float, radius: float, axis: Float, middle: float, depth: float
+) -> Float:
+    """Bend upright panels, points (n, 3) [m], to cylinders about a line, with front and back on opposite sides.
 
-    `facing` is 1 in front of the body and -1 behind it, shape (n,). Lengths along the panels stay what they are.
+    The line runs along `axis`, a unit vector (x, y), `middle` to the left of the origin, at a depth z [m]. `facing`
+    is 1 for points of front panels and -1 for those of back ones, shape (n,). Lengths along the panels stay what
+    they are.
     """
-    angle = points[:, 0] / radius
-    return np.column_stack([radius * np.sin(angle), points[:, 1], depth + facing * radius * np.cos(angle)])
+    across = np.array([-axis[1], axis[0]])
+    angle = (points[:, :2] @ across - middle) / radius
+    along = points[:, :2] @ axis
+    flat = along[:, None] * axis + (middle + radius * np.sin(angle))[:, None] * across
+    return np.column_stack([flat, depth + facing * radius * np.cos(angle)])
 
 
 def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
     """Find the rings of a garment: what closes around the body by seams between front and back on both sides."""
     count = len(mesh.panel_names)
-    facing = _facing(mesh)
+    facing = facing_of(mesh)
     upright = np.abs(facing) > UPRIGHT
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, owner, mesh.positions)
@@ -144,7 +151,14 @@ def _curl(mesh: GarmentMesh, owner: Int, ends: Int, panel: int) -> float:
     return worst
 
 
-def _facing(mesh: GarmentMesh) -> Float:
+def owner_of(mesh: GarmentMesh) -> Int:
+    """Panel of every material vertex, shape (m,)."""
+    owner = np.zeros(len(mesh.positions), np.int32)
+    owner[mesh.faces.ravel()] = np.repeat(mesh.panel, 3)
+    return owner
+
+
+def facing_of(mesh: GarmentMesh) -> Float:
     """Front (+) or back (-) part of every panel's unit normal, shape (p,)."""
     normal = np.zeros((len(mesh.panel_names), 3))
     np.add.at(normal, mesh.panel, area_normals(mesh.positions[mesh.faces]))
