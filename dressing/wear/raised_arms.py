@@ -27,7 +27,7 @@ STAGES = 4
 def raised_arms(
     vertices: Float, faces: Int, body: Measurements | None, meshes: list[GarmentMesh]
 ) -> tuple[list[Float], list[GarmentMesh]] | None:
-    """Return shapes of the avatar, vertices (v, 3), and the garments with raised sleeves; None if none asks for it.
+    """Return shapes of the avatar, vertices (v, 3), and garments with raised sleeves; None if none asks for it.
 
     A garment asks for it whose sleeves are covered, seen from the front, by panels that are no sleeves. The
     first shape has its arms raised, the next ones lead from there to the given one, without it.
@@ -43,7 +43,8 @@ def raised_arms(
         angle = sign * (body.arm_angle - LEVEL)
         share = _share(vertices, faces, shoulder, axis, sign)
         shapes = [
-            _turned(shape, shoulder, angle * (1.0 - stage / STAGES) * share) for stage, shape in enumerate(shapes)
+            _turned(shape, shoulder, angle * (1.0 - stage / STAGES) * share)
+            for stage, shape in enumerate(shapes)
         ]
         for mesh, place in zip(meshes, positions, strict=True):
             own = on_sleeves(mesh) & (sign * mesh.positions[:, 0] > 0.0)

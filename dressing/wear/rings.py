@@ -60,13 +60,19 @@ def rolled_rings(
     for ring in _rings(mesh, owner, shoulder):
         own = ring.panels[owner]
         level = positions[own, 1]
-        there = body[(body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)]
-        depth = float(there[:, 2].min() + there[:, 2].max()) / 2.0 if len(there) else float(positions[own, 2].mean())
+        there = body[
+            (body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)
+        ]
+        depth = (
+            float(there[:, 2].min() + there[:, 2].max()) / 2.0
+            if len(there)
+            else float(positions[own, 2].mean())
+        )
         facing = np.sign(facing_of(mesh))[owner[own]]
         faces = mesh.faces[ring.panels[mesh.panel]]
         for factor in WIDER:
             trial = positions.copy()
-            trial[own] = rolled(positions[own], facing, factor * ring.radius, UP, 0.0, depth)
+            trial[own] = rolled(positions[own], facing, factor * ring.radius, UP, 0.0, (0.0, depth))
             piece = RigidPieces(trial, faces, np.zeros(len(faces), np.int32), avatar)
             if not piece.crosses_avatar(0, np.zeros(3)):
                 break
@@ -82,19 +88,20 @@ def rolled_rings(
 
 
 def rolled(
-    points: Float, facing: Float, radius: float, axis: Float, middle: float, depth: float
+    points: Float, facing: Float, radius: float, axis: Float, middle: float, centre: tuple[float, float]
 ) -> Float:
     """Bend upright panels, points (n, 3) [m], to cylinders about a line, with front and back on opposite sides.
 
-    The line runs along `axis`, a unit vector (x, y), `middle` to the left of the origin, at a depth z [m]. `facing`
-    is 1 for points of front panels and -1 for those of back ones, shape (n,). Lengths along the panels stay what
-    they are.
+    The line runs along `axis`, a unit vector (x, y); its `centre` is how far to the left of the origin it runs,
+    and its depth z [m]. `middle` is what of the panels comes to lie before and behind it, in the same measure.
+    `facing` is 1 for points of front panels and -1 for those of back ones, shape (n,). Lengths along the panels
+    stay what they are.
     """
     across = np.array([-axis[1], axis[0]])
     angle = (points[:, :2] @ across - middle) / radius
     along = points[:, :2] @ axis
-    flat = along[:, None] * axis + (middle + radius * np.sin(angle))[:, None] * across
-    return np.column_stack([flat, depth + facing * radius * np.cos(angle)])
+    flat = along[:, None] * axis + (centre[0] + radius * np.sin(angle))[:, None] * across
+    return np.column_stack([flat, centre[1] + facing * radius * np.cos(angle)])
 
 
 def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
@@ -122,7 +129,12 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
         one, other = ends[mesh.seam == seam][0].tolist()
         pair = np.zeros(count, bool)
         pair[[one, other]] = True
-        if one == other or facing[one] * facing[other] > 0.0 or not upright[pair].all() or (high[pair, 1] > shoulder).any():
+        if (
+            one == other
+            or facing[one] * facing[other] > 0.0
+            or not upright[pair].all()
+            or (high[pair, 1] > shoulder).any()
+        ):
             continue
         sides = mesh.positions[mesh.stitches[pair[ends].all(axis=1)]][:, :, 0].mean(axis=1)
         straight = all(_curl(mesh, owner, ends, panel) < CURLED for panel in (one, other))
@@ -130,7 +142,9 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
         ring = _ring(pair, low, high, False)
         if both and straight and ring.radius > WIDE and not any((r.panels & pair).any() for r in found):
             found.append(ring)
-    return [ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()]
+    return [
+        ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()
+    ]
 
 
 def _ring(panels: Bool, low: Float, high: Float, collar: bool) -> Ring:

@@ -17,7 +17,9 @@ from toile.dressing.wear.rings import OPEN, UPRIGHT, WIDER, facing_of, owner_of,
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 
-STEP, FARTHEST = 0.01, 0.12
+ARM = 0.12
+"""How far from the middle of its sleeve's panels an arm is looked for [m]."""
+STEP, FARTHEST = 0.01, 0.25
 """Steps in which tubes are moved out along the arm, and how far at most [m]."""
 
 
@@ -49,7 +51,9 @@ def rolled_sleeves(
         own = panels[owner]
         side = 1.0 if positions[own, 0].mean() > 0.0 else -1.0
         axis = np.array([side * np.cos(arm_angle), -np.sin(arm_angle)])
-        found = _rolled(mesh, positions, panels, owner, np.sign(facing), axis, float(body.shoulder_point[2]), avatar)
+        found = _rolled(
+            mesh, positions, panels, owner, np.sign(facing), axis, float(body.shoulder_point[2]), avatar
+        )
         if found is None:
             continue
         positions = found
@@ -68,7 +72,7 @@ def _rolled(
     mesh: GarmentMesh, positions: Float, panels: Bool, owner: Int, facing: Float, axis: Float, depth: float,
     avatar: tuple[Float, Int],
 ) -> Float | None:  # fmt: skip
-    """Positions with the panels of a tube rolled about a direction (x, y); None if the body is always in the way."""
+    """Positions with the panels of a tube rolled about a direction (x, y); None if the body is in the way."""
     own = panels[owner]
     across = np.array([-axis[1], axis[0]])
     t = positions[:, :2] @ across
@@ -77,20 +81,31 @@ def _rolled(
     back = max(w for w, panel in zip(widths, np.flatnonzero(panels), strict=True) if facing[panel] < 0.0)
     radius = OPEN * (front + back) / (2.0 * np.pi)
     middle = 0.5 * float(t[own].min() + t[own].max())
+    centre = _arm_centre(avatar[0], axis, positions[own][:, :2] @ axis, (middle, depth))
     faces = mesh.faces[panels[mesh.panel]]
     for factor in WIDER:
         trial = positions.copy()
-        trial[own] = rolled(positions[own], facing[owner[own]], factor * radius, axis, middle, depth)
+        trial[own] = rolled(positions[own], facing[owner[own]], factor * radius, axis, middle, centre)
         piece = RigidPieces(trial, faces, np.zeros(len(faces), np.int32), avatar)
         if not piece.crosses_avatar(0, np.zeros(3)):
             return trial
     return None
 
 
+def _arm_centre(body: Float, axis: Float, along: Float, near: tuple[float, float]) -> tuple[float, float]:
+    """Middle of an arm across its direction and in depth [m], where the outer half of a tube lies along it."""
+    t, s = body[:, :2] @ np.array([-axis[1], axis[0]]), body[:, :2] @ axis
+    own = (s > 0.5 * (along.min() + along.max())) & (s < along.max())
+    own &= (np.abs(t - near[0]) < ARM) & (np.abs(body[:, 2] - near[1]) < ARM)
+    if not own.any():
+        return near
+    return 0.5 * float(t[own].min() + t[own].max()), 0.5 * float(body[own, 2].min() + body[own, 2].max())
+
+
 def _way_out(
     mesh: GarmentMesh, positions: Float, panels: Bool, avatar: tuple[Float, Int], axis: Float
 ) -> Float:
-    """Shortest shift along an arm [m], shape (3,), after which tubes cut neither the body nor other panels."""
+    """Shortest shift along an arm [m], shape (3,), after which tubes cut neither body nor panels."""
     pieces = RigidPieces(positions, mesh.faces, panels[mesh.panel].astype(np.int32), avatar)
     for distance in np.arange(0.0, FARTHEST, STEP):
         shift = distance * axis
