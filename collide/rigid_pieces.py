@@ -48,6 +48,16 @@ class RigidPieces:
         result = fcl.CollisionResult()
         return bool(fcl.collide(self._moved(index, shift), self._avatar, fcl.CollisionRequest(), result))
 
+    def surface_crosses_avatar(self, positions: Float, faces: Int) -> bool:
+        """Whether another surface, vertices (n, 3) [m] and faces (t, 3), crosses the avatar."""
+        if self._avatar is None:
+            return False
+        used, local = np.unique(faces, return_inverse=True)
+        surface = fcl.CollisionObject(
+            bvh_model(positions[used], local.reshape(-1, 3).astype(np.int32)), fcl.Transform()
+        )
+        return bool(fcl.collide(surface, self._avatar, fcl.CollisionRequest(), fcl.CollisionResult()))
+
     def crosses_pieces(self, index: int, shift: Float) -> list[int]:
         """Return the other pieces that piece `index`, shifted further by `shift` [m], crosses."""
         moved = self._moved(index, shift)

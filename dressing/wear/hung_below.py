@@ -1,8 +1,8 @@
 """Panels that hang from those on the shoulders start right below them, where their seams will lie.
 
-Patterns leave room between tiers: between bodice, waistband and legs, or sleeve and cuff. Seams that meet half way
-pull the upper tier down with the lower one up, and the bodice's shoulder seams into the shoulders. What hangs
-from the shoulders has its height from them, so the lower tiers move instead, before anything is sewn.
+Patterns leave room between tiers: bodice, waistband and legs, or sleeve and cuff. Seams that meet half way
+pull the upper tier down with the lower one up, and the bodice's shoulder seams into the shoulders. What
+hangs from the shoulders has its height from them, so the lower tiers move instead, before anything is sewn.
 """
 
 from dataclasses import replace
@@ -24,8 +24,8 @@ LEAST = 0.005
 def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[str, ...]]:
     """Move the tiers of a garment that reaches the shoulders, at a height [m], to those they hang from.
 
-    Pieces of a tier that hang together move as one, seen from the front, by the mean distance of the seams that
-    join them to the tier above. Returns the garment and one sentence for each piece that moved.
+    Pieces of a tier that hang together move as one, seen from the front, by the mean distance of the seams
+    that join them to the tier above. Returns the garment and one sentence for each piece that moved.
     """
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
@@ -55,15 +55,15 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
             positions[own[owner]] += shift
             names = ", ".join(np.array(mesh.panel_names)[own])
             notes.append(
-                f"garment {mesh.name}: {names} start {100.0 * np.linalg.norm(shift):.0f} cm nearer to what they "
-                "hang from"
+                f"garment {mesh.name}: {names} start {100.0 * np.linalg.norm(shift):.0f} cm nearer to what "
+                "they hang from"
             )
         done |= tier
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
 def _shift(positions: Float, stitches: Int, own: Bool) -> Float:
-    """How far a piece moves, in x and y, so that its side of stitches, marked in `own` (s, 2), meets the other."""
+    """How far a piece moves, in x and y, so that its side of stitches, marked (s, 2), meets the other."""
     mine, other = positions[stitches[own]], positions[stitches[:, ::-1][own]]
     way = (other - mine).mean(axis=0)
     way[2] = 0.0

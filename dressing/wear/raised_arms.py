@@ -1,7 +1,8 @@
 """Arms and their sleeves raised while a garment is sewn whose skirt would close across them.
 
-A flared skirt, still flat, reaches as high as the sleeves hang. Front and back of it would close around the sleeves,
-and no seam would ever be free. With the arms level the skirt closes and falls below them; then they come down on it.
+A flared skirt, still flat, reaches as high as the sleeves hang. Front and back of it would close around the
+sleeves, and no seam would ever be free. With the arms level the skirt closes and falls below them; then they
+come down on it.
 """
 
 from dataclasses import replace
@@ -27,7 +28,7 @@ STAGES = 4
 def raised_arms(
     vertices: Float, faces: Int, body: Measurements | None, meshes: list[GarmentMesh]
 ) -> tuple[list[Float], list[GarmentMesh]] | None:
-    """Return shapes of the avatar, vertices (v, 3), and garments with raised sleeves; None if none asks for it.
+    """Return shapes of the avatar, vertices (v, 3), and garments with raised sleeves; None if none needs it.
 
     A garment asks for it whose sleeves are covered, seen from the front, by panels that are no sleeves. The
     first shape has its arms raised, the next ones lead from there to the given one, without it.

@@ -1,8 +1,8 @@
-"""Rings of upright panels start rolled around the body's axis: collars, and tiers that are wider than the body.
+"""Bodices and collars start rolled around the body's axis.
 
-Such panels lie in front of and behind the body, and their seams close a ring: flat, a collar's strips reach far
-beside the neck, and a gathered tier is crowded into the middle. Rolled about a vertical axis, as a cylinder of the
-ring's length, every panel keeps its shape, and the edges of partners face each other.
+Their panels lie in front of and behind the body, and their seams close a ring: flat, a collar's strips reach
+far beside the neck, and a bodice closes upon the sleeves between its front and back. Rolled about a vertical
+axis, as a cylinder of the ring's length, every panel keeps its shape, and partners' edges face each other.
 """
 
 from dataclasses import dataclass, replace
@@ -26,34 +26,29 @@ UPRIGHT = 0.98
 COLLAR = 0.12
 """Height of a panel above the shoulders that is a collar, at most [m]; hoods are higher."""
 BODICE_OPEN, BODICE = 1.1, 0.27
-"""The same of a bodice, which shoulders and bust need room in; largest radius of its ring [m]: one with sleeves cut
-on stays flat."""
-WIDE = 0.1
-"""Least radius of the ring of a tier [m]."""
-CURLED = 1.05
-"""Length of a panel's upper seam over the distance of its ends up to which it is rolled: it is no flare."""
+"""The same of a bodice, which shoulders and bust need room in; largest radius of its ring [m]: one with
+sleeves cut on stays flat."""
 
 
 @dataclass(frozen=True)
 class Ring:
-    """Panels of a ring, marked (p,), its radius [m], and whether it is a collar."""
+    """Panels of a ring, marked (p,), and its radius [m]."""
 
     panels: Bool
     radius: float
-    collar: bool
 
 
 def rolled_rings(
     mesh: GarmentMesh, avatar: tuple[Float, Int], shoulder: float
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Roll the rings of a garment around a body, vertices (v, 3) [m] and faces, whose shoulders are at a height [m].
+    """Roll the rings of a garment around a body, vertices (v, 3) [m] and faces, shoulders at a height [m].
 
     A ring starts as narrow as its panels allow and the body is clear of it; it stays flat where it never is.
     Returns the garment and one sentence for each ring.
     """
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
-    body = avatar[0]
+    body, obstacle = avatar[0], obstacle_of(avatar)
     owner = owner_of(mesh)
     positions = mesh.positions.copy()
     notes = []
@@ -73,16 +68,15 @@ def rolled_rings(
         for factor in WIDER:
             trial = positions.copy()
             trial[own] = rolled(positions[own], facing, factor * ring.radius, UP, 0.0, (0.0, depth))
-            piece = RigidPieces(trial, faces, np.zeros(len(faces), np.int32), avatar)
-            if not piece.crosses_avatar(0, np.zeros(3)):
+            if not obstacle.surface_crosses_avatar(trial, faces):
                 break
         else:
             continue
         positions = trial
         names = ", ".join(np.array(mesh.panel_names)[ring.panels])
         notes.append(
-            f"garment {mesh.name}: {names} start rolled around the body, {100.0 * factor * ring.radius:.0f} cm from "
-            "its middle"
+            f"garment {mesh.name}: {names} start rolled around the body, "
+            f"{100.0 * factor * ring.radius:.0f} cm from its middle"
         )
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
@@ -90,12 +84,12 @@ def rolled_rings(
 def rolled(
     points: Float, facing: Float, radius: float, axis: Float, middle: float, centre: tuple[float, float]
 ) -> Float:
-    """Bend upright panels, points (n, 3) [m], to cylinders about a line, with front and back on opposite sides.
+    """Bend upright panels, points (n, 3) [m], to cylinders about a line, front and back on opposite sides.
 
-    The line runs along `axis`, a unit vector (x, y); its `centre` is how far to the left of the origin it runs,
-    and its depth z [m]. `middle` is what of the panels comes to lie before and behind it, in the same measure.
-    `facing` is 1 for points of front panels and -1 for those of back ones, shape (n,). Lengths along the panels
-    stay what they are.
+    The line runs along `axis`, a unit vector (x, y); its `centre` is how far to the left of the origin it
+    runs, and its depth z [m]. `middle` is what of the panels comes to lie before and behind it, in the same
+    measure. `facing` is 1 for points of front panels and -1 for those of back ones, shape (n,). Lengths along
+    the panels stay what they are.
     """
     across = np.array([-axis[1], axis[0]])
     angle = (points[:, :2] @ across - middle) / radius
@@ -105,64 +99,34 @@ def rolled(
 
 
 def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
-    """Find the rings of a garment: what closes around the body by seams between front and back on both sides."""
+    """Find the rings of a garment: its collar and its bodice."""
     count = len(mesh.panel_names)
     facing = facing_of(mesh)
     upright = np.abs(facing) > UPRIGHT
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, owner, mesh.positions)
     np.maximum.at(high, owner, mesh.positions)
-    collar = upright & (low[:, 1] > shoulder) & (high[:, 1] - low[:, 1] < COLLAR)
     found = []
+    collar = upright & (low[:, 1] > shoulder) & (high[:, 1] - low[:, 1] < COLLAR)
     if collar.any():
-        found.append(_ring(collar, low, high, True))
+        width = float((high[collar, 0] - low[collar, 0]).sum())
+        found.append(Ring(collar, OPEN * width / (2.0 * np.pi)))
     bodice = upright & (high[:, 1] >= shoulder - BELOW) & ~collar
     bodice[owner[on_sleeves(mesh)]] = False
     sides = [bodice & (side * facing > 0.0) for side in (1.0, -1.0)]
     if all(side.any() for side in sides):
         width = sum(float(high[side, 0].max() - low[side, 0].min()) for side in sides)
-        ring = Ring(bodice, BODICE_OPEN * width / (2.0 * np.pi), False)
+        ring = Ring(bodice, BODICE_OPEN * width / (2.0 * np.pi))
         if ring.radius < BODICE:
-            found.append(ring)
-    ends = owner[mesh.stitches]
-    for seam in np.unique(mesh.seam):
-        one, other = ends[mesh.seam == seam][0].tolist()
-        pair = np.zeros(count, bool)
-        pair[[one, other]] = True
-        if (
-            one == other
-            or facing[one] * facing[other] > 0.0
-            or not upright[pair].all()
-            or (high[pair, 1] > shoulder).any()
-        ):
-            continue
-        sides = mesh.positions[mesh.stitches[pair[ends].all(axis=1)]][:, :, 0].mean(axis=1)
-        straight = all(_curl(mesh, owner, ends, panel) < CURLED for panel in (one, other))
-        both = (low[pair, 0] < 0.0).all() and (high[pair, 0] > 0.0).all() and sides.min() < 0.0 < sides.max()
-        ring = _ring(pair, low, high, False)
-        if both and straight and ring.radius > WIDE and not any((r.panels & pair).any() for r in found):
             found.append(ring)
     return [
         ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()
     ]
 
 
-def _ring(panels: Bool, low: Float, high: Float, collar: bool) -> Ring:
-    width = float((high[panels, 0] - low[panels, 0]).sum())
-    return Ring(panels, OPEN * width / (2.0 * np.pi), collar)
-
-
-def _curl(mesh: GarmentMesh, owner: Int, ends: Int, panel: int) -> float:
-    """Largest length over the distance of their ends of a panel's seams to panels that lie above or below."""
-    worst = 1.0
-    for seam in np.unique(mesh.seam):
-        pairs = mesh.stitches[mesh.seam == seam]
-        if len(pairs) < 3 or (owner[pairs[0]] != panel).all() or owner[pairs[0, 0]] == owner[pairs[0, 1]]:
-            continue
-        line = mesh.positions[pairs[:, 0] if owner[pairs[0, 0]] == panel else pairs[:, 1], :2]
-        length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-        worst = max(worst, float(length / max(float(np.linalg.norm(line[-1] - line[0])), 1e-9)))
-    return worst
+def obstacle_of(avatar: tuple[Float, Int]) -> RigidPieces:
+    """Return an avatar as an obstacle to surfaces."""
+    return RigidPieces(np.empty((0, 3)), np.empty((0, 3), np.int32), np.empty(0, np.int32), avatar)
 
 
 def owner_of(mesh: GarmentMesh) -> Int:

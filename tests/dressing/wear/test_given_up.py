@@ -59,4 +59,5 @@ def test_the_last_attempt_gets_what_is_left_but_enough(tmp_path: Path) -> None:
     assert hang._work_left([mesh], 3_000_000, 2_000_000) == 2_000_000, "five million in all"
     many = [mesh] * (8000 // len(mesh.faces))
     faces = len(many) * len(mesh.faces)
-    assert hang._work_left(many, 4_500_000, 2_500_000) == 300 * faces, "what jammed garments need once more"
+    assert hang._work_left(many, 900_000, 800_000) == 300 * faces, "what jammed garments need once more"
+    assert hang._work_left(many, 4_500_000, 2_500_000) == hang.LAST_WORK, "never more than a minute in all"
