@@ -37,7 +37,7 @@ def _garment(garment: "DressedGarment", colour: tuple[float, float, float]) -> V
     """Return a garment, coloured by its stretch and by the strain of its threads."""
     node = np.zeros(len(garment.uv), dtype=np.int32)
     node[garment.uv_faces] = garment.faces
-    shape, fields = Shape(garment.uv_faces, garment.uv, garment.panel), ()
+    shape, fields = Shape(garment.uv_faces, garment.uv, garment.panel), tuple[Field, ...]()
     if garment.strain is not None:
         warp, weft = 100.0 * garment.strain.T
         fields = (Field("strain along warp", "%", warp), Field("strain along weft", "%", weft))

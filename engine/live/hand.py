@@ -63,8 +63,8 @@ class Hand(NodeSprings):
         self.held = np.empty(0, np.int32)
 
     def bear(self, stretch: float) -> None:
-        """Bear this much more stretch than usual, until the next grip."""
-        self._bearable = BEARABLE + stretch
+        """Pull as hard as it may up to this stretch, where that is more than usual, until the next grip."""
+        self._bearable = max(BEARABLE, stretch)
 
     def feel(self, stretch: float) -> None:
         """Ease off where the largest stretch of the cloth is more than bearable, else pull harder."""

@@ -18,7 +18,7 @@ from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.ground import Ground
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.live.breeze import Breeze
-from toile.engine.live.hand import SPEED, Hand
+from toile.engine.live.hand import BEARABLE, SPEED, Hand
 from toile.engine.live.obstacles import Obstacles, Surface
 from toile.engine.live.push import Push
 from toile.engine.step.cloth_run import ClothRun
@@ -35,6 +35,8 @@ RISE, STRETCHED = 0.05, 0.08
 """A step that raises the largest stretch by more than RISE, beyond STRETCHED, is made in two halves."""
 PATCH = 0.04
 """Radius of the patch that a hand grips, along the pattern [m]."""
+MORE = 0.02
+"""How much more than now cloth may be stretched by a hand."""
 FORCE = 10.0
 """Largest force of a hand, unless told [N]."""
 
@@ -154,8 +156,9 @@ class LiveCloth(ClothRun):
         weight = float(self.cloth.mass.sum()) * self.stepper.options.gravity
         softest = min(fabric.stretch_warp, fabric.stretch_weft)
         self.hand.grip(held, self.stepper.x, self.cloth.node_area, force)
-        # What hangs on one hand stretches by its own weight, however gently it is pulled.
-        self.hand.bear(weight / (2.0 * radius * softest))
+        # What hangs on one hand stretches by its own weight, however gently it is pulled; and what is stretched
+        # already, as a garment that is worn, by a little more.
+        self.hand.bear(max(BEARABLE + weight / (2.0 * radius * softest), self.frame.stretch + MORE))
 
     def pull_to(self, offset: Float) -> None:
         """Say how far from where it was gripped the patch shall be [m], shape (3,)."""

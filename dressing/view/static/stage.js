@@ -1,13 +1,13 @@
 "use strict";
 // A stage: meshes drawn with WebGL 2, a camera to turn, and the ray that finds what lies under the pointer.
 const STAGE_VERTEX = `#version 300 es
-in vec3 position; in vec3 normal; in float value; in float panel; uniform mat4 camera;
+in vec3 position; in vec3 normal; in float value; in float panel; uniform mat4 camera; uniform vec3 shift;
 out vec3 n; out vec3 p; out float shade; out vec3 bary; flat out float piece; flat out int face;
 void main() {
-  p = position; n = normal; shade = value; piece = panel; face = gl_VertexID / 3;
+  p = position + shift; n = normal; shade = value; piece = panel; face = gl_VertexID / 3;
   int corner = gl_VertexID - 3 * face;
   bary = vec3(corner == 0, corner == 1, corner == 2);
-  gl_Position = camera * vec4(position, 1.0);
+  gl_Position = camera * vec4(p, 1.0);
 }`;
 const STAGE_FRAGMENT = `#version 300 es
 precision highp float; in vec3 n; in vec3 p; in float shade; in vec3 bary; flat in float piece; flat in int face;
@@ -42,7 +42,7 @@ class StageMesh {
   // Triangles with vertices that may move. `faces` index rows of `positions` (Float32Array, 3 a row); rows at one
   // place are shaded as one, so that seams look sewn. `panels`: a number per face, or null.
   constructor(gl, options) {
-    Object.assign(this, { name: "", kind: "garment", colour: [0.5, 0.5, 0.5], shown: true, panels: null, uv: null }, options);
+    Object.assign(this, { name: "", kind: "garment", colour: [0.5, 0.5, 0.5], shown: true, panels: null, uv: null, shift: [0, 0, 0] }, options);
     this.gl = gl;
     this.linear = this.colour.map(toLinear);
     this.buffers = {};
@@ -216,6 +216,7 @@ class Stage {
     const shown = this.meshes.filter((mesh) => mesh.shown);
     for (const mesh of shown) {
       gl.uniform3fv(at("colour"), mesh.linear);
+      gl.uniform3fv(at("shift"), mesh.shift);
       gl.uniform1i(at("mapped"), mesh.mapped ? 1 : 0);
       gl.uniform1i(at("wires"), this.wires && mesh.kind !== "body" ? 1 : 0);
       gl.uniform1f(at("lit_piece"), mesh === this.litMesh ? this.litPiece : -9);
@@ -245,7 +246,7 @@ class Stage {
     let best = null;
     for (const mesh of this.meshes) {
       if (!mesh.shown || (kinds && !kinds.includes(mesh.kind))) continue;
-      const hit = mesh.hit(eye, ray);
+      const hit = mesh.hit(eye.map((value, k) => value - mesh.shift[k]), ray);
       if (hit && (!best || hit.distance < best.distance)) best = { ...hit, mesh };
     }
     return best && { ...best, point: eye.map((value, k) => value + best.distance * ray[k]) };

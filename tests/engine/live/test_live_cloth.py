@@ -13,7 +13,7 @@ from toile.engine.live.live_cloth import STEP, LiveCloth
 from toile.engine.live.obstacles import Surface
 from toile.engine.step.options import StepOptions
 from toile.geometry.errors import InputError
-from toile.studies.scenes.spring_cloth import grid_mesh
+from toile.remesh.panel.grid import grid_mesh
 
 CELLS, SIDE = 12, 0.5
 MIDDLE = (CELLS + 1) ** 2 // 2
