@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from toile.dressing.garment.fabrics import fabric, fabrics
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
+    from toile.dressing.live.live_scene import Live, live
+    from toile.dressing.live.sheet import Sheet
     from toile.dressing.pattern.drafts import register_draft
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
     from toile.dressing.pattern.pattern import Edge, Panel, Pattern, Stitch
@@ -57,6 +59,7 @@ _HOME = {
     "InputError": "toile.geometry.errors",
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
+    "Live": "toile.dressing.live.live_scene",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
     "Panel": "toile.dressing.pattern.pattern",
@@ -65,12 +68,14 @@ _HOME = {
     "Result": "toile.dressing.run.result",
     "Scene": "toile.dressing.run.scene",
     "Seam": "toile.dressing.pattern.seam",
+    "Sheet": "toile.dressing.live.sheet",
     "Stitch": "toile.dressing.pattern.pattern",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
     "dress": "toile.dressing.run.dress",
     "fabric": "toile.dressing.garment.fabrics",
     "fabrics": "toile.dressing.garment.fabrics",
+    "live": "toile.dressing.live.live_scene",
     "load_avatar": "toile.dressing.body.avatar",
     "load_scene": "toile.dressing.run.scene_file",
     "mannequin": "toile.dressing.body.mannequin",
@@ -97,6 +102,7 @@ __all__ = [
     "InputError",
     "Job",
     "JobResult",
+    "Live",
     "MannequinSize",
     "Measurements",
     "Panel",
@@ -105,12 +111,14 @@ __all__ = [
     "Result",
     "Scene",
     "Seam",
+    "Sheet",
     "Stitch",
     "VertexMotion",
     "batch",
     "dress",
     "fabric",
     "fabrics",
+    "live",
     "load_avatar",
     "load_scene",
     "mannequin",

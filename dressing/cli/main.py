@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.live import add_live
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
     BAD_INPUT,
@@ -113,6 +114,7 @@ def command_parser() -> argparse.ArgumentParser:
     add_measure(commands)
     add_pattern(commands)
     add_view(commands)
+    add_live(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
