@@ -83,7 +83,8 @@ def test_a_sheet_starts_clear_of_what_lies_below(pins: Any) -> None:
 def test_a_saved_play_is_played_again_to_the_byte(tmp_path: Path) -> None:
     game = Game(SMALL)
     plan: dict[int, dict[str, Any]] = {
-        3: {"do": "wind", "speed": 4.0}, 5: {"do": "grip", "node": 60}, 6: {"do": "pull", "offset": [0.1, 0.2, 0.0]},
+        3: {"do": "wind", "speed": 4.0}, 5: {"do": "grip", "node": 60},
+        6: {"do": "pull", "offset": [0.1, 0.2, 0.0]},
         9: {"do": "unpin", "node": 0}, 12: {"do": "ball_moves", "on": True}, 15: {"do": "release"},
     }  # fmt: skip
     for step in range(20):
