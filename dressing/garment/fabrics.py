@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.stretch_check import CURVES, unlike_cloth, wrong_curve
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 
@@ -53,6 +54,11 @@ def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
         if entry.name == "name":
             continue
         value = getattr(fabric, entry.name)
+        if entry.name in CURVES:
+            wrong = wrong_curve(value)
+            if wrong is not None:
+                return entry.name, wrong
+            continue
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return entry.name, f"must be a finite number, got {value!r}"
         if entry.name in MUST_BE_POSITIVE and value <= 0.0:
@@ -61,7 +67,7 @@ def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
             return entry.name, f"must not be negative, got {value:g}"
         if entry.name == "compression" and value > 1.0:
             return entry.name, f"is a share and must not exceed 1, got {value:g}"
-    return None
+    return unlike_cloth(fabric)
 
 
 def checked_fabric(fabric: Fabric) -> Fabric:

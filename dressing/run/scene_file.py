@@ -31,6 +31,7 @@ from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.garment.stretch_check import CURVES
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -124,7 +125,12 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),
         **{
-            entry.name: (NUMBER, f"see toile.Fabric.{entry.name}, SI units")
+            entry.name: (
+                list if entry.name in CURVES else NUMBER,
+                "points [[strain, N/m], ...] of a tensile test, from zero upwards"
+                if entry.name in CURVES
+                else f"see toile.Fabric.{entry.name}, SI units",
+            )
             for entry in fields(Fabric)
             if entry.name != "name"
         },

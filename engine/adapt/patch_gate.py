@@ -5,6 +5,7 @@ import numpy as np
 from toile.collide.patch_clearance import PatchChanges, clear_proposals
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float
 from toile.remesh.adapt.acceptance import Proposals
@@ -36,6 +37,8 @@ class PatchGate:
         fabrics = cloth.fabrics
         names = ("stretch_warp", "stretch_weft", "shear", "compression")
         self._stiffness = np.array([[getattr(f, name) for name in names] for f in fabrics])[cloth.fabric]
+        warp, weft, _, compression = self._stiffness.T
+        self._laws = stretch_laws(fabrics, cloth.fabric, warp, weft, compression)
         rounding = float((self._stiffness[:, 0] * np.abs(cloth.rest_area)).sum()) * ROUNDING**2
         self.left = ENERGY_BUDGET * stepper.elastic_energy() + rounding
 
@@ -64,11 +67,12 @@ class PatchGate:
         """Membrane energy that each proposal adds [J], shape (p,)."""
         count = proposals.proposal_count
         new = patch_energies(
-            positions, proposals.triangles, proposals.rest_corners, self._stiffness, proposals.origin
-        )
+            positions, proposals.triangles, proposals.rest_corners, self._stiffness, proposals.origin,
+            self._laws,
+        )  # fmt: skip
         old = patch_energies(
             positions, proposals.face_nodes[proposals.removed], proposals.removed_rest_corners,
-            self._stiffness, proposals.removed_origin,
+            self._stiffness, proposals.removed_origin, self._laws,
         )  # fmt: skip
         after = np.bincount(proposals.owner, weights=new, minlength=count)
         return np.asarray(after - np.bincount(proposals.removed_owner, weights=old, minlength=count))

@@ -1,6 +1,7 @@
 """Mechanical properties of a fabric, in SI units."""
 
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +19,7 @@ class Fabric:
     bending_warp, bending_weft, bending_bias
         Bending rigidity [N m] when bent along warp, along weft and along the 45 degree diagonal.
     stretch_warp, stretch_weft
-        Membrane stiffness along the threads [N/m].
+        Membrane stiffness along the threads [N/m]: where a direction has a curve, its damping only.
     shear
         Shear stiffness [N/m].
     compression
@@ -27,6 +28,17 @@ class Fabric:
         Time by which the damping of stretch and shear exceeds their stiffness, number for number [s].
     friction_body, friction_self
         Coulomb coefficients against the avatar and against cloth.
+    stretch_curve_warp, stretch_curve_weft
+        Measured tension along the threads of a strip that is free to contract: points (strain, tension
+        [N/m]), from zero upwards; none where it goes with the strain.
+    strain_limit
+        Strain at which threads lock that have no curve: from half of it on they stiffen, to 20 times their
+        stiffness; 0: they never do.
+    poisson
+        Contraction across, per stretch along the threads, 0 to 0.99: the geometric mean of that of the weft
+        when the warp is pulled and of the warp when the weft is.
+    bending_damping
+        Time by which the damping of bending exceeds the rigidity, number for number [s].
     """
 
     name: str
@@ -42,3 +54,17 @@ class Fabric:
     damping: float = 0.0
     friction_body: float = 0.35
     friction_self: float = 0.3
+    stretch_curve_warp: tuple[tuple[float, float], ...] = ()
+    stretch_curve_weft: tuple[tuple[float, float], ...] = ()
+    strain_limit: float = 0.0
+    poisson: float = 0.0
+    bending_damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Take lists of points as well, as files have them: a fabric is compared and counted by its values."""
+        for name in ("stretch_curve_warp", "stretch_curve_weft"):
+            object.__setattr__(self, name, _frozen(getattr(self, name)))
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(_frozen(entry) for entry in value) if isinstance(value, list | tuple) else value

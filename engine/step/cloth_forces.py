@@ -8,6 +8,9 @@ from toile.engine.forces.bend import Bending
 from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.hold import SewingHolds
+from toile.engine.forces.laws.bend_damping import BendDamping
+from toile.engine.forces.laws.curved_membrane import CurvedMembrane
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.stitch import Stitches
@@ -28,17 +31,22 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
     def per_face(name: str) -> Float:
         return np.array([getattr(fabric, name) for fabric in fabrics])[cloth.fabric]
 
-    membrane = Membrane(
-        faces, cloth.rest_corners, per_face("stretch_warp"), per_face("stretch_weft"), per_face("shear"),
-        per_face("compression"),
-    )  # fmt: skip
+    stretch, compression = (per_face("stretch_warp"), per_face("stretch_weft")), per_face("compression")
+    laws = stretch_laws(fabrics, cloth.fabric, *stretch, compression)
+    membrane = (
+        Membrane(faces, cloth.rest_corners, *stretch, per_face("shear"), compression)
+        if laws is None
+        else CurvedMembrane(faces, cloth.rest_corners, stretch, per_face("shear"), compression, laws)
+    )
     bends = any(max(f.bending_warp, f.bending_weft, f.bending_bias) > 0.0 for f in fabrics)
+    bending = Bending.for_cloth(cloth) if bends else None
     sewn = len(cloth.stitches) > 0
     normals = vertex_normals(cloth.positions, faces) if sewn else None
     forces: list[Force | None] = [
         membrane,
         MembraneDamping(membrane, per_face("damping")) if any(f.damping > 0.0 for f in fabrics) else None,
-        Bending.for_cloth(cloth) if bends else None,
+        bending,
+        BendDamping.for_cloth(cloth, bending),
         Stitches(cloth.stitches, cloth.stitch_length) if sewn else None,
         SewingHolds(cloth.positions, normals, cloth.weld, cloth.stitches, cloth.held)
         if normals is not None
