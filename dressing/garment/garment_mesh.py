@@ -14,6 +14,7 @@ from toile.geometry.arrays import Float, Int
 if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
     from toile.dressing.garment.trims import Trims
+    from toile.engine.cloth.folds import Folds
     from toile.engine.cloth.origin import Origin
 
 
@@ -69,6 +70,9 @@ class GarmentMesh:
         Thickness of the cloth as the file shows it [m], whatever the fabric's is; None: it does not.
     panel_fabrics
         Fabric of panels that are of another than the garment, by their names.
+    folds
+        Part of every face between folds, numbered throughout the garment, and the folds, whose stiffness is
+        NaN where it is to be the fabric's; None: no panel is folded.
     notes
         What was noticed in the file, one sentence each.
     """
@@ -95,4 +99,5 @@ class GarmentMesh:
     trims: "Trims | None" = None
     thickness: float | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    folds: "Folds | None" = None
     notes: tuple[str, ...] = ()

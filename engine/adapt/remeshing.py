@@ -196,7 +196,8 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     plane = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
     frames = np.einsum("tci,tdc->tid", sides, np.linalg.inv(plane))
     parts = cloth.garment.astype(np.int64)
-    for part in (cloth.panel, cloth.fabric):
+    folded = () if cloth.folds is None else (cloth.folds.part,)
+    for part in (cloth.panel, cloth.fabric, *folded):
         parts = parts * (int(part.max(initial=0)) + 1) + part
     region = np.unique(parts, return_inverse=True)[1]
     kept = np.zeros(len(x), bool)
@@ -254,6 +255,7 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         rest_curved=rest_curved,
         start_positions=start,
         origin=None if cloth.origin is None else cloth.origin.carried(transfer),
+        folds=None if cloth.folds is None else cloth.folds.carried(transfer),
     )
     if cloth.velocities.any():
         velocities = with_momentum_of(_motion(cloth), _motion(after))

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.folds import Folds
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
@@ -65,6 +66,8 @@ class Cloth:
         Where nodes that are not pinned are drawn to, or None.
     origin
         Which corners and faces of the garments' files all this was made of; None where nobody asks.
+    folds
+        Lines along which panels are folded at rest, or None.
     """
 
     positions: Float
@@ -88,6 +91,7 @@ class Cloth:
     goals: Goals | None = None
     handles: csr_array | None = None
     origin: Origin | None = None
+    folds: Folds | None = None
 
     @property
     def face_nodes(self) -> Int:

@@ -136,7 +136,7 @@ class Bending:
         node_count
             Number of nodes.
         topology
-            Of `faces`, where it is known already.
+            Of `faces`, where it is known already; what bends apart is no neighbour.
         pinned
             Nodes that never move, shape (n,): a face with three of them clamps the faces next to it.
         rest_positions
@@ -172,7 +172,7 @@ class Bending:
 
     @classmethod
     def for_cloth(cls, cloth: Cloth) -> "Bending":
-        """Return the bending of a cloth, with its fabrics, pins and curved rest shapes."""
+        """Return the bending of a cloth, with its fabrics, pins and curved rest shapes; folds are borders."""
 
         def per_face(name: str) -> Float:
             return np.array([getattr(fabric, name) for fabric in cloth.fabrics])[cloth.fabric]
@@ -181,11 +181,15 @@ class Bending:
         if cloth.rest_curved.any():
             rest_positions = np.zeros_like(cloth.positions)
             rest_positions[cloth.node] = cloth.start_positions
+        topology = None
+        if cloth.folds is not None:
+            topology = cloth.folds.cut(triangle_topology(cloth.face_nodes), cloth.faces, cloth.uv)
         return cls(
             cloth.face_nodes,
             cloth.rest_corners,
             bending_tensor(per_face("bending_warp"), per_face("bending_weft"), per_face("bending_bias")),
             len(cloth.positions),
+            topology=topology,
             pinned=cloth.pinned if cloth.pinned.any() else None,
             rest_positions=rest_positions,
             rest_curved=cloth.rest_curved,

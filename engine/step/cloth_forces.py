@@ -10,6 +10,7 @@ from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.hold import SewingHolds
 from toile.engine.forces.laws.bend_damping import BendDamping
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
+from toile.engine.forces.laws.fold_hinges import FoldHinges
 from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
@@ -47,6 +48,7 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
         MembraneDamping(membrane, per_face("damping")) if any(f.damping > 0.0 for f in fabrics) else None,
         bending,
         BendDamping.for_cloth(cloth, bending),
+        FoldHinges.for_cloth(cloth),
         Stitches(cloth.stitches, cloth.stitch_length) if sewn else None,
         SewingHolds(cloth.positions, normals, cloth.weld, cloth.stitches, cloth.held)
         if normals is not None
