@@ -212,7 +212,12 @@ def _folds(panel: Panel, mesh: FoldedMesh, mirror: Float) -> Folds | None:
         return None
     parts = tuple(range(int(mesh.part.max()) + 1))
     lines = tuple(
-        FoldLine(line * mirror, math.radians(fold.degrees), math.nan if fold.stiffness is None else fold.stiffness, parts)
+        FoldLine(
+            line * mirror,
+            math.radians(fold.degrees),
+            math.nan if fold.stiffness is None else fold.stiffness,
+            parts,
+        )
         for fold, line in zip(panel.folds, mesh.lines, strict=True)
     )
     return Folds(part=mesh.part, lines=lines)

@@ -38,7 +38,10 @@ def unlike_cloth(fabric: Fabric) -> tuple[str, str] | None:
     if fabric.poisson > MOST_POISSON:
         return "poisson", f"must not exceed {MOST_POISSON:g}, got {fabric.poisson:g}"
     if fabric.strain_limit >= 1.0:
-        return "strain_limit", f"is a strain, 0.04 for 4 %, and must be less than 1, got {fabric.strain_limit:g}"
+        return (
+            "strain_limit",
+            f"is a strain, 0.04 for 4 %, and must be less than 1, got {fabric.strain_limit:g}",
+        )
     if fabric.strain_limit and fabric.stretch_curve_warp and fabric.stretch_curve_weft:
         return "strain_limit", "has no effect beside curves of warp and weft; leave it out"
     least = fabric.poisson / (1.0 + fabric.poisson)

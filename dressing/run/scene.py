@@ -12,6 +12,7 @@ from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.pattern.pattern import Fold
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
@@ -118,6 +119,8 @@ class Garment:
         [degrees]: one number for all panels, or panel name to number.
     panel_fabrics
         Preset name or Fabric of panels that are of another than the garment, by their names.
+    folds
+        Lines along which panels are folded at rest, by panel: fold lines and pleats of a pattern.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
         `units` may also be those of a DXF pattern that does not say them.
@@ -144,6 +147,7 @@ class Garment:
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
     panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
+    folds: Mapping[str, Sequence[Fold]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raise InputError if `walls` is not 1 or 2."""

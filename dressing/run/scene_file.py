@@ -30,8 +30,10 @@ from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
+from toile.dressing.garment.fabric_keys import FABRIC_KEYS
 from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
-from toile.dressing.garment.stretch_check import CURVES
+from toile.dressing.pattern.fold_table import folds_of
+from toile.dressing.pattern.pattern import Fold
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -109,6 +111,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "panel_fabrics": (dict, 'fabric of panels that are of another: { collar = "denim-12oz" }'),
+        "folds": (dict, "lines that are folded: { front = [{ points = [[x, y], [x, y]], degrees = 180 }] }"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
@@ -122,19 +125,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
             'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
         ),
     },
-    "fabric": {
-        "like": (str, "preset that supplies every value not set here"),
-        **{
-            entry.name: (
-                list if entry.name in CURVES else NUMBER,
-                "points [[strain, N/m], ...] of a tensile test, from zero upwards"
-                if entry.name in CURVES
-                else f"see toile.Fabric.{entry.name}, SI units",
-            )
-            for entry in fields(Fabric)
-            if entry.name != "name"
-        },
-    },
+    "fabric": FABRIC_KEYS,
 }
 """Table name to key to (accepted types, meaning)."""
 FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in")
@@ -363,8 +354,16 @@ class _SceneReader:
             size=values.get("size"),
             allowance=values.get("allowance"),
             panel_fabrics=values.get("panel_fabrics", {}),
+            folds=self._folds(values.get("folds", {}), place),
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
         )
+
+    def _folds(self, values: dict[str, Any], place: tuple[str | int, ...]) -> dict[str, tuple[Fold, ...]]:
+        """Return the folds of a garment by panel."""
+        try:
+            return folds_of(values)
+        except InputError as error:
+            raise self._at((*place, "folds"), error) from None
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
         """Raise InputError with the nearest name if the fabric is neither the file's nor a preset."""

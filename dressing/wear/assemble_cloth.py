@@ -18,7 +18,7 @@ from toile.geometry.arrays import Bool, Int
 from toile.geometry.errors import InputError
 
 FOLD_WIDTH = 1e-3
-"""Over which cloth bends at a fold that says nothing else [m]: pressed cloth of a few tenths of a millimetre."""
+"""Over which cloth bends at a fold that says nothing else [m]: that of a pressed fold."""
 
 
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
@@ -108,7 +108,7 @@ def _stiffened(folds: Folds, fabrics: tuple[Fabric, ...], fabric: Int) -> Folds:
 
     def usual(line: FoldLine) -> float:
         some = fabrics[fabric[np.isin(folds.part, line.parts).argmax()]]
-        return 0.5 * (some.bending_warp + some.bending_weft) / FOLD_WIDTH
+        return float(0.5 * (some.bending_warp + some.bending_weft) / FOLD_WIDTH)
 
     lines = [
         line._replace(stiffness=usual(line)) if np.isnan(line.stiffness) else line for line in folds.lines

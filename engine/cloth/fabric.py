@@ -61,7 +61,7 @@ class Fabric:
     bending_damping: float = 0.0
 
     def __post_init__(self) -> None:
-        """Take lists of points as well, as files have them: a fabric is compared and counted by its values."""
+        """Take lists of points as well, as files have them: fabrics are told apart by their values."""
         for name in ("stretch_curve_warp", "stretch_curve_weft"):
             object.__setattr__(self, name, _frozen(getattr(self, name)))
 
