@@ -110,6 +110,12 @@ class GarmentSnapshot:
         }
         self.carried["corner_vertex"] = loop_vertex[first]
 
+    def pieces(self) -> list[str]:
+        """Return the name of the material of every piece, as the engine numbers them; empty where none is."""
+        slots = self.obj.material_slots
+        used = np.unique(self.arrays.get("panel", 0)).tolist()
+        return [slots[number].name if number < len(slots) else "" for number in used]
+
     def see(self, depsgraph: Any) -> None:
         """Note where object and pins are in the present frame."""
         matrix = to_engine(self.obj.evaluated_get(depsgraph).matrix_world, self._scene)

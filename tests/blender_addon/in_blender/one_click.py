@@ -28,7 +28,7 @@ found = {
     "role": body.toile.role,
     "name": garment.name,
     "state": garment.toile.state,
-    "report": json.loads((folder / "toile_scene" / garment.name / "toile.json").read_text())["report"],
+    "report": json.loads((small.frames_folder(garment) / "toile.json").read_text())["report"],
     "loose": sum(edge.is_loose for edge in garment.data.edges),
     "groups": [group.name for group in garment.vertex_groups],
     "uv": [layer.name for layer in dressed.uv_layers],

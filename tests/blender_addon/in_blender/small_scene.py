@@ -83,6 +83,21 @@ def settings(mode: str) -> None:
     own.frame_start, own.frame_end = 1, FRAMES
 
 
+def write_scene(folder: Path) -> None:
+    """Write what the engine reads."""
+    from toile.blender_addon.snapshot import cast, scene_folder
+
+    for _ in scene_folder.write_scene(bpy.context, folder, cast.casts(bpy.context)[0][0]):
+        pass
+
+
+def frames_folder(obj: bpy.types.Object) -> Path:
+    """Return the folder of the frames that an object shows."""
+    modifier = obj.modifiers["toile"]
+    path = modifier.filepath if modifier.type == "MESH_CACHE" else modifier.cache_file.filepath
+    return Path(bpy.path.abspath(path)).parent
+
+
 def shown(obj: bpy.types.Object, frame: int) -> bpy.types.Mesh:
     """Return what an object shows in a frame; valid until the next call."""
     bpy.context.scene.frame_set(frame)
