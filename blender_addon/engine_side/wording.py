@@ -11,8 +11,8 @@ NUMBER = r"(-?\d+(?:\.\d+)?)"
 PLACE = re.compile(rf"\({NUMBER}, {NUMBER}, {NUMBER}\) m\b")
 """Coordinates [m] in a sentence of the engine."""
 AXIS = re.compile(r"\balong ([xyz])\b")
-STATUS = ("compiling kernels", "loading kernels")
-"""Begin sentences that matter only while they are true."""
+PASSING = ("compiling kernels", "loading kernels", "give the other up axis")
+"""What is in sentences that matter only while they are true, or advise what Blender has settled."""
 
 
 class Wording:
@@ -47,7 +47,7 @@ class Wording:
 
     def is_lasting(self, text: str) -> bool:
         """Whether a sentence is still worth reading when the run is over."""
-        return not text.startswith(STATUS)
+        return not any(word in text for word in PASSING)
 
     def _place(self, found: re.Match[str]) -> str:
         x, y, z = self._back @ [float(part) for part in found.groups()] + 0.0

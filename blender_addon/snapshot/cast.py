@@ -42,9 +42,9 @@ class Roles:
 def roles(context: Any) -> Roles:
     """Return who may take part, as the view layer of a context shows it."""
     found = Roles()
+    instanced = _instanced(context)
     layer = context.view_layer
     inside = set(layer.objects)
-    instanced = _instanced(context)
     hidden = []
     for obj in sorted(context.scene.objects, key=lambda obj: (obj.toile.layer, obj.name)):
         role = obj.toile.role if obj.type == "MESH" else "NONE"

@@ -1,5 +1,7 @@
 """A body bent by a bone, and a sheet over it with all that a mesh can carry: small enough for a test."""
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -96,6 +98,31 @@ def frames_folder(obj: bpy.types.Object) -> Path:
     modifier = obj.modifiers["toile"]
     path = modifier.filepath if modifier.type == "MESH_CACHE" else modifier.cache_file.filepath
     return Path(bpy.path.abspath(path)).parent
+
+
+class Stub:
+    """Counts the runs of `stub_engine`."""
+
+    runs = 0
+
+
+def stub_engine() -> None:
+    """Let a stub stand for the engine: its n-th run gives one frame, a strip of n triangles."""
+    from toile.blender_addon import dressing
+
+    def spoken(task: str, folder: Path, run: object) -> Iterator[dict[str, object]]:
+        from toile.blender_addon.engine_side.usd_frame import write_usd_frame
+
+        Stub.runs += 1
+        for entry in json.loads((folder / "job.json").read_text())["garments"]:
+            strip = np.array([(0.1 * corner, corner % 2, 0.0) for corner in range(Stub.runs + 2)])
+            faces = np.add.outer(np.arange(Stub.runs), np.arange(3)).astype(np.int32)
+            write_usd_frame(Path(entry["cache"]) / f"{entry['stem']}.usdc", strip, faces, None, [])
+            (Path(entry["cache"]) / "toile.json").write_text("{}")
+        yield {"frame": 1}
+        yield {"done": {}}
+
+    dressing._spoken = spoken
 
 
 def shown(obj: bpy.types.Object, frame: int) -> bpy.types.Mesh:
