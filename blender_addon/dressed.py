@@ -41,7 +41,8 @@ class Dressed:
             if obj is None:
                 raise Problem(f"'{name}' is gone: the run was stopped")
             if self._frames == 1:
-                show_frames(obj, self._folders[stem], stem, self._job["first_frame"], self._job["sequence"])
+                entry = next(entry for entry in self._job["garments"] if entry["stem"] == stem)
+                show_frames(obj, self._folders[stem], entry, self._job["first_frame"], self._job["sequence"])
                 obj.toile.state = "in progress"
             else:
                 obj.update_tag()

@@ -61,6 +61,10 @@ def _dress_cast(context: Any, cast: Cast, run: Run | None) -> Steps:
             job = dressed.begin(folder)
             if run is not None:
                 run.notes += [f"'{name}' {THICKENED}" for name in job["thickened"]]
+                run.notes += [
+                    f"'{entry['name']}': attribute '{name}' does not follow: its type cannot be carried"
+                    for entry in job["garments"] for name in entry["left_behind"]
+                ]  # fmt: skip
             with closing(_spoken("dress", folder, run)) as messages:
                 for message in messages:
                     if message is not None and "frame" in message:

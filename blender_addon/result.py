@@ -6,6 +6,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from toile.blender_addon.attribute_nodes import is_nodes, put_back, remove_nodes
 from toile.blender_addon.frame_folders import MARK, relative, remove_orphans, replaced, shown_folder
 from toile.blender_addon.problem import Problem
 
@@ -30,14 +31,16 @@ def our_modifier(obj: Any) -> Any:
     return next((modifier for modifier in obj.modifiers if is_ours(modifier)), None)
 
 
-def show_frames(obj: Any, folder: Path, stem: str, first_frame: int, sequence: bool) -> None:
-    """Let an object show the frames in a folder, which may still grow."""
+def show_frames(obj: Any, folder: Path, entry: dict[str, Any], first_frame: int, sequence: bool) -> None:
+    """Let an object show the frames in a folder, which may still grow; `entry` is its own of the job."""
+    stem = entry["stem"]
     before = shown_folder(obj, our_modifier(obj))
     if obj.toile.keep_topology:
         modifier = _placed(obj, "MESH_CACHE")
         modifier.cache_format = "PC2"
         modifier.filepath = relative(folder / f"{stem}.pc2")
         modifier.frame_start = float(first_frame)
+        remove_nodes(obj)
     else:
         modifier = _placed(obj, "MESH_SEQUENCE_CACHE")
         name = f"{stem}_{first_frame:04d}.usdc" if sequence else f"{stem}.usdc"
@@ -45,6 +48,7 @@ def show_frames(obj: Any, folder: Path, stem: str, first_frame: int, sequence: b
         modifier.cache_file = _opened(folder / name, sequence)
         modifier.object_path = PRIM
         modifier.read_data = {"VERT", "POLY", "UV", "COLOR", "ATTRIBUTES"}
+        put_back(obj, modifier, entry["carriers"])
     remove_orphans()
     replaced(before, folder)
     obj.update_tag()
@@ -56,6 +60,7 @@ def remove_modifier(obj: Any) -> Path | None:
     folder = shown_folder(obj, modifier)
     if modifier is not None:
         obj.modifiers.remove(modifier)
+        remove_nodes(obj)
         remove_orphans()
     return folder
 
@@ -74,7 +79,8 @@ def made_real(obj: Any, context: Any) -> None:
     if ours is None:
         raise Problem(f"'{obj.name}' shows no frames of toile: dress it first")
     index = list(obj.modifiers).index(ours)
-    above, below = list(obj.modifiers)[:index], list(obj.modifiers)[index + 1 :]
+    above = list(obj.modifiers)[:index]
+    below = [modifier for modifier in list(obj.modifiers)[index + 1 :] if not is_nodes(modifier)]
     off = [modifier for modifier in below if modifier.show_viewport]
     for modifier in off:
         modifier.show_viewport = False

@@ -143,6 +143,8 @@ def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
         "stem": garment.stem,
         "name": obj.name,
         "pieces": garment.pieces(),
+        "carriers": [list(carrier) for carrier in garment.carriers],
+        "left_behind": garment.left_behind,
         "keep_topology": obj.toile.keep_topology,
         "fingerprints": {
             "settings": hashlib.sha256(text.encode()).hexdigest()[:16],
