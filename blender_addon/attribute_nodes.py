@@ -11,7 +11,7 @@ NAME = "toile attributes"
 
 
 def put_back(obj: Any, behind: Any, carriers: list[list[str]]) -> None:
-    """Let an object have its own attributes behind a modifier; `carriers` are those of `snapshot.carriers`."""
+    """Let an object have its own attributes behind a modifier; `carriers` is from `snapshot.carriers`."""
     remove_nodes(obj)
     if not carriers:
         return

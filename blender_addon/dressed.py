@@ -16,8 +16,9 @@ class Dressed:
     """Garments that are dressed in one run, found again whatever they are called by then."""
 
     def __init__(self, garments: tuple[Any, ...]) -> None:
-        self._ids = {stem: obj.session_uid for stem, obj in zip(stems(garments), garments, strict=True)}
-        self._names = {stem: obj.name for stem, obj in zip(stems(garments), garments, strict=True)}
+        named = dict(zip(stems(garments), garments, strict=True))
+        self._ids = {stem: obj.session_uid for stem, obj in named.items()}
+        self._names = {stem: obj.name for stem, obj in named.items()}
         self._folders: dict[str, Path] = {}
         self._job: dict[str, Any] = {}
         self._frames = 0

@@ -82,8 +82,8 @@ def _dress_cast(context: Any, cast: Cast, run: Run | None) -> Steps:
 def draft_steps(context: Any, pattern: str, body: Any, into: Any = None) -> Steps:
     """Draft a pattern to a body, or take a pattern file, and place its panels around it.
 
-    `body` is an avatar object; None is all avatars together. `into` is a garment whose mesh is made anew, unless
-    it was drafted of just this.
+    `body` is an avatar object; None is all avatars together. `into` is a garment whose mesh is made anew,
+    unless it was drafted of just this.
     """
     run = Current.run
     with _folder() as folder:

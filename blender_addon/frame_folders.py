@@ -9,7 +9,7 @@ import json
 import os
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 
@@ -22,9 +22,9 @@ MARK = "toile_frames"
 class _Session:
     """What this Blender has done since it started."""
 
-    made: set[str] = set()
+    made: ClassVar[set[str]] = set()
     """Folders that were made or shown; none is made again."""
-    before: dict[str, str] = {}
+    before: ClassVar[dict[str, str]] = {}
     """The folder that an object showed before, by the one that took its place: undo leads back to it."""
     loaded = 0.0
     """When the open file was saved last before it was opened [s since 1970]."""
@@ -178,7 +178,9 @@ def _users(folder: Path) -> list[Path]:
 
 
 def _write_users(folder: Path, blends: list[Path]) -> None:
-    names = [os.path.relpath(blend, folder) if blend.drive == folder.drive else str(blend) for blend in blends]
+    names = [
+        os.path.relpath(blend, folder) if blend.drive == folder.drive else str(blend) for blend in blends
+    ]
     (folder / USED_BY).write_text(json.dumps(names), encoding="utf-8")
 
 

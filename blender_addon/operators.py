@@ -120,7 +120,8 @@ class TOILE_OT_dress(_Runs, bpy.types.Operator):
     bl_idname, bl_label, bl_options = "toile.dress", "Dress", {"UNDO"}
     __annotations__ = {
         "only_selected": BoolProperty(
-            name="Only Selected", description="Leave garments alone that are not selected, and avatars if some are"
+            name="Only Selected",
+            description="Leave garments alone that are not selected, and avatars if some are",
         )
     }
 

@@ -20,7 +20,8 @@ DECIDES = ("quality", "edge_length", "source")
 def drafted_for(context: Any, body: Any, pattern: str) -> Any:
     """Return the garment that was drafted of a pattern to a body, None if the view layer shows none."""
     return next(
-        (obj for obj in roles(context).garments if obj.toile.body == body and obj.toile.pattern == pattern), None
+        (obj for obj in roles(context).garments if obj.toile.body == body and obj.toile.pattern == pattern),
+        None,
     )
 
 

@@ -16,6 +16,6 @@ def check_editable(obj: Any) -> None:
     """Raise Problem for a linked object, whose changes Blender would not save."""
     if obj.library is not None:
         raise Problem(
-            f"'{obj.name}' is linked from {obj.library.name}, so what is set here is not saved: set it in that "
-            "file, or make a library override"
+            f"'{obj.name}' is linked from {obj.library.name}, so what is set here is not saved: set it in "
+            "that file, or make a library override"
         )

@@ -4,7 +4,12 @@ from typing import Any
 
 import bpy
 from bpy.props import (
-    BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty,
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
 )  # fmt: skip
 
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC, fabrics
@@ -43,7 +48,8 @@ def _on_fabric(self: Any, context: Any) -> None:
 def _overridable(properties: dict[str, Any]) -> dict[str, Any]:
     """Return properties that library overrides may change."""
     return {
-        name: made.function(**made.keywords, override={"LIBRARY_OVERRIDABLE"}) for name, made in properties.items()
+        name: made.function(**made.keywords, override={"LIBRARY_OVERRIDABLE"})
+        for name, made in properties.items()
     }
 
 

@@ -11,12 +11,12 @@ NUMBER = r"(-?\d+(?:\.\d+)?)"
 PLACE = re.compile(rf"\({NUMBER}, {NUMBER}, {NUMBER}\) m\b")
 """Coordinates [m] in a sentence of the engine."""
 AXIS = re.compile(r"\balong ([xyz])\b")
-PASSING = ("compiling kernels", "loading kernels", "give the other up axis")
+PASSING = ("compiling kernels", "loading kernels", "give the other up axis", "frames at ")
 """What is in sentences that matter only while they are true, or advise what Blender has settled."""
 
 
 class Wording:
-    """Translates sentences about a scene folder; `job` is what its job.json holds, without which only paths go.
+    """Translates sentences about a scene folder; `job` is what its job.json holds.
 
     Coordinates are turned by the matrix `turn` (3, 3) of the job, which leads from Blender's axes to the
     engine's. Files become objects, numbers of pieces become materials.

@@ -1,8 +1,8 @@
 """Which attributes a USD frame carries under their own names, and which under others, for nodes to put back.
 
-Blender's reader of USD takes seven types of attributes, names of letters, digits and underscores, and makes the
-first UV map and the first colour the active ones. Everything else travels as numbers and vectors under names of
-toile's.
+Blender's reader of USD takes seven types of attributes, names of letters, digits and underscores, and makes
+the first UV map and the first colour the active ones. Everything else travels as numbers and vectors under
+names of toile's.
 """
 
 import re
@@ -39,7 +39,7 @@ class Carrier(NamedTuple):
 
 
 class Chosen(NamedTuple):
-    """The UV map, or colour, of a mesh that is active, and the one that renders; empty where there is none."""
+    """The UV map, or colour, that is active, and the one that renders; empty where there is none."""
 
     active: str
     renders: str

@@ -56,7 +56,9 @@ def roles(context: Any) -> Roles:
         elif role == "AVATAR":
             found.avatars.append(AvatarPart(obj))
         elif obj.library is not None:
-            found.left_out.append(f"'{obj.name}' is linked, so it cannot show frames: make a library override")
+            found.left_out.append(
+                f"'{obj.name}' is linked, so it cannot show frames: make a library override"
+            )
         else:
             found.garments.append(obj)
     for part in instanced:
@@ -88,7 +90,9 @@ def casts(context: Any, *, only_selected: bool = False) -> tuple[list[Cast], lis
         chosen = [part for part in avatars if not part.instance and part.obj.select_get()]
         avatars = chosen or avatars
     if not avatars:
-        raise Problem("; ".join(["no avatar: mark the body as avatar in its Physics properties", *found.left_out]))
+        raise Problem(
+            "; ".join(["no avatar: mark the body as avatar in its Physics properties", *found.left_out])
+        )
     if not garments:
         wanted = "no garment is selected: select one" if only_selected and found.garments else (
             "no garment: mark one in its Physics properties, or use Dress This Body"
@@ -137,7 +141,9 @@ def draft_cast(context: Any, body: Any) -> Cast:
         if body is None or (not part.instance and body in (part.obj, part.obj.toile.body))
     ]  # fmt: skip
     if not avatars:
-        raise Problem("; ".join(["no avatar: mark the body as avatar in its Physics properties", *found.left_out]))
+        raise Problem(
+            "; ".join(["no avatar: mark the body as avatar in its Physics properties", *found.left_out])
+        )
     return Cast(tuple(avatars))
 
 

@@ -108,7 +108,8 @@ class GarmentSnapshot:
         carried |= {("POINT", "FLOAT", group): weights for group, weights in groups.items()}
         travelling, self.carriers = carriers.carried(carried, *chosen)
         self.carried: dict[str, Any] = {
-            " ".join(key): values[first] if key[0] == "CORNER" else values for key, values in travelling.items()
+            " ".join(key): values[first] if key[0] == "CORNER" else values
+            for key, values in travelling.items()
         }
         self.carried["corner_vertex"] = loop_vertex[first]
 

@@ -48,7 +48,7 @@ class OpenSheets:
         return np.concatenate(self._solids).astype(np.int32, copy=False)
 
     def is_folded(self, points: Float) -> bool:
-        """Whether a sheet is folded over, or its faces look to different sides, so that it has no one side."""
+        """Whether a sheet is folded over, or its faces look to both sides, so that it has no one side."""
         for _, piece in self._sheets:
             normals, areas = _area_vectors(points, piece)
             if (normals @ normals.sum(axis=0) <= 0.0)[areas > 0.0].any():
@@ -72,6 +72,7 @@ class OpenSheets:
         return np.concatenate(found)
 
     def __bool__(self) -> bool:
+        """Whether the object consists of open sheets."""
         return bool(self._sheets)
 
 
@@ -84,7 +85,7 @@ def _parts(faces: Int, count: int) -> Int:
         np.minimum.at(after, faces.ravel(), np.repeat(least, 3))
         after = after[after]
         if np.array_equal(after, label):
-            return label
+            return label.astype(np.int32)
         label = after
 
 

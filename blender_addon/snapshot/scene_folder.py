@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -124,7 +124,7 @@ def _check_drafts(context: Any, body: AvatarSnapshot, vertices: Float, garments:
             )
 
 
-def stems(garments: list[Any]) -> list[str]:
+def stems(garments: Sequence[Any]) -> list[str]:
     """Return a file name for every garment, each another."""
     names: list[str] = []
     for obj in garments:

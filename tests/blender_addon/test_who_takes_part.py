@@ -94,7 +94,7 @@ JOB = {
 @pytest.mark.parametrize(
     ("said", "wanted"),
     [
-        ("avatar: 2 holes filled, near (0.26, 1.18, -0.05) m.", "'Anna': 2 holes filled, near (0.26, 0.05, 1.18) m."),
+        ("avatar: 2 holes, near (0.26, 1.18, -0.05) m.", "'Anna': 2 holes, near (0.26, 0.05, 1.18) m."),
         ("garment Shirt_001: piece 0, faces 1, 2 of its file", "'Shirt.001', faces 1, 2 of its mesh"),
         ("garment Shirt: piece 0, piece 2, faces 4", "'Shirt', material Red, Blue, faces 4"),
         ("it is away (along y); it is away (along z)", "it is away (along z); it is away (along y)"),

@@ -52,7 +52,9 @@ for domain, places in PLACES.items():
             attribute = mesh.attributes.new(name, kind, domain)
             assert attribute.name == name, (attribute.name, name)
             values = wanted(kind, places, salt)
-            attribute.data.foreach_set(field, values.astype(np.float32 if kind not in WHOLE else np.int32).ravel())
+            attribute.data.foreach_set(
+                field, values.astype(np.float32 if kind not in WHOLE else np.int32).ravel()
+            )
             made[name] = domain, kind, salt
 for name in ("Pin Group", "arm.L", "Group"):
     group = sheet.vertex_groups.new(name=name)
@@ -96,7 +98,9 @@ def wrong(shown: bpy.types.Mesh) -> list[str]:
         limit = 0.02 if kind == "BYTE_COLOR" else 1e-5
         if np.abs(off).max() > limit:
             found.append(f"{name}: off by {np.abs(off).max():.3f}")
-    added = {attribute.name for attribute in shown.attributes} - {attribute.name for attribute in mesh.attributes}
+    added = {attribute.name for attribute in shown.attributes} - {
+        attribute.name for attribute in mesh.attributes
+    }
     found += [f"{name}: extra" for name in sorted(added)]
     return found
 
@@ -118,7 +122,9 @@ found["wrong"] = wrong(shown)
 found["notes"] = sheet.toile.notes
 places = places_of(shown)["POINT"]
 found["weights off"] = max(
-    abs(entry.weight - places[vertex.index, 0]) for vertex in shown.vertices for entry in vertex.groups
+    abs(entry.weight - places[vertex.index, 0])
+    for vertex in shown.vertices
+    for entry in vertex.groups
     if entry.group != hold.index
 )
 found["weights"] = min(len(vertex.groups) for vertex in shown.vertices if places[vertex.index, 0] > 0.01)

@@ -7,7 +7,6 @@ from contextlib import redirect_stdout
 from pathlib import Path
 
 import bpy
-import numpy as np
 import small_scene as small
 
 import toile.blender_addon
@@ -229,7 +228,10 @@ own.modifiers.new("Subdivision", "SUBSURF")
 ball("Inner", 0.0, 0.2)
 small.stub_engine()
 found["override garment"] = [
-    who(), message(), [modifier.name for modifier in own.modifiers], len(small.shown(own, 1).polygons) // 3,
+    who(),
+    message(),
+    [modifier.name for modifier in own.modifiers],
+    len(small.shown(own, 1).polygons) // 3,
 ]
 bpy.ops.wm.save_mainfile()
 bpy.ops.wm.open_mainfile(filepath=str(folder / "shot.blend"))
