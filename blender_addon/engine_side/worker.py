@@ -1,7 +1,7 @@
 """The engine's side: reads a scene folder, computes, writes frames, and reports in JSON lines.
 
 Every line is an object with one of: `say` (a sentence; `lasting` if it is worth reading at the end),
-`progress` (frame, max_frames, faces, contacts, seconds_left), `frame` (a frame is on disk), `done` (status and
+`progress` (frame, max_frames, faces, contacts, seconds_left), `frame` (it is on disk), `done` (status and
 figures), `error` (one sentence; perhaps `garment`, `file` in the folder, `field` and `faces` at fault).
 """
 

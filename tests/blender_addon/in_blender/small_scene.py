@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 import numpy as np
@@ -101,18 +102,25 @@ def frames_folder(obj: bpy.types.Object) -> Path:
 
 
 class Stub:
-    """Counts the runs of `stub_engine`."""
+    """Counts the runs of `stub_engine`, and notes its tasks."""
 
     runs = 0
+    tasks: ClassVar[list[str]] = []
 
 
 def stub_engine() -> None:
-    """Let a stub stand for the engine: its n-th run gives one frame, a strip of n triangles."""
+    """Let a stub stand for the engine when it dresses: its n-th run gives one frame, a strip of n triangles."""
     from toile.blender_addon import dressing
 
-    def spoken(task: str, folder: Path, run: object) -> Iterator[dict[str, object]]:
+    engine = dressing._spoken
+
+    def spoken(task: str, folder: Path, run: object) -> Iterator[dict[str, object] | None]:
         from toile.blender_addon.engine_side.usd_frame import write_usd_frame
 
+        Stub.tasks.append(task)
+        if task != "dress":
+            yield from engine(task, folder, run)
+            return
         Stub.runs += 1
         for entry in json.loads((folder / "job.json").read_text())["garments"]:
             strip = np.array([(0.1 * corner, corner % 2, 0.0) for corner in range(Stub.runs + 2)])
