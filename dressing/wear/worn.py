@@ -83,11 +83,10 @@ def worn_together(garments: list[Cloth]) -> Cloth:
             [cloth.origin for cloth in garments], [(len(cloth.node), len(cloth.faces)) for cloth in garments]
         ),
         handles=_handles(garments),
-        fields=Fields.together([cloth.fields for cloth in garments], [len(cloth.faces) for cloth in garments]),
-        elastic=tuple(
-            replace(run, garment=index) for index, cloth in enumerate(garments) for run in cloth.elastic
-        ),
-        gas=tuple(replace(gas, garment=index) for index, cloth in enumerate(garments) for gas in cloth.gas),
+        fields=Fields.together([cloth.fields for cloth in garments], [len(c.faces) for c in garments]),
+        elastic=tuple(replace(run, garment=k) for k, cloth in enumerate(garments) for run in cloth.elastic),
+        holds=tuple(replace(hold, garment=k) for k, cloth in enumerate(garments) for hold in cloth.holds),
+        gas=tuple(replace(gas, garment=k) for k, cloth in enumerate(garments) for gas in cloth.gas),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.edge_runs import EdgeRun
 from toile.engine.cloth.fields.fields import Fields
 from toile.engine.cloth.fields.gas import Gas
-from toile.engine.cloth.fields.timed_pins import TimedPins
+from toile.engine.cloth.fields.timed_pins import RunHold, TimedPins
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
@@ -76,6 +76,8 @@ class Cloth:
         Values on regions that differ from their fabric's, or None.
     elastic
         Runs of edges with elastic along them.
+    holds
+        Where a film will hold it.
     timed_pins
         Pins of a film that come and go.
     gas
@@ -107,6 +109,7 @@ class Cloth:
     origin: Origin | None = None
     fields: Fields | None = None
     elastic: tuple[EdgeRun, ...] = ()
+    holds: tuple[RunHold, ...] = ()
     timed_pins: tuple[TimedPins, ...] = ()
     gas: tuple[Gas, ...] = ()
     now: float = 0.0
@@ -131,7 +134,7 @@ class Cloth:
     def rest_scale(self, seconds: float) -> Float | None:
         """Scale of the rest shape along warp and weft on every face, shape (t, 2); None if it is 1.
 
-        It is that at a time of the film [s], and acts once all seams are closed: panels are sewn as they were cut.
+        It is that at a time of the film [s], and acts once all seams are closed: panels are sewn as cut.
         """
         if self.fields is None or len(self.stitches) or not self.fields.names() & {*RESTS}:
             return None

@@ -50,7 +50,9 @@ def _friction_of_fields(
     """Return the friction of a cloth with fields: a material for every fabric and friction that occur."""
     own = [fields.where(name) for name in ("friction_body", "friction_self")]
     given = [np.round(cloth.per_face(name), FINEST) for name in ("friction_body", "friction_self")]
-    rows = np.column_stack([cloth.fabric, *own, *(np.where(w, g, 0.0) for w, g in zip(own, given, strict=True))])
+    rows = np.column_stack(
+        [cloth.fabric, *own, *(np.where(w, g, 0.0) for w, g in zip(own, given, strict=True))]
+    )
     kinds, kind = np.unique(rows, axis=0, return_inverse=True)
     count = len(kinds)
     material = np.full(len(cloth.positions) + avatar_vertices, count, np.int32)

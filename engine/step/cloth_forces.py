@@ -1,7 +1,5 @@
 """The list of forces of a cloth, one line each; forces that a scene does not need are left out."""
 
-import numpy as np
-
 from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.added.edge_elastic import EdgeElastic

@@ -115,9 +115,7 @@ class Fields:
             ).astype(np.int32),
             values=tuple(values for part in whole for values in part.values),
             sampled={
-                name: np.concatenate(
-                    [part.sampled.get(name, np.zeros(len(part.region))) for part in whole]
-                )
+                name: np.concatenate([part.sampled.get(name, np.zeros(len(part.region))) for part in whole])
                 for name in names
             },
         )

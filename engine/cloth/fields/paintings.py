@@ -80,7 +80,7 @@ class VertexPainting:
         Each is taken from the triangle that it lies in, or least far outside.
         """
         count = min(CANDIDATES, len(self.faces))
-        near = np.asarray(self._tree.query(points, k=count)[1]).reshape(len(points), count)
+        near = np.asarray(self._tree.query(points, k=count)[1], np.int32).reshape(len(points), count)
         shares = self._shares(points, near)
         best = shares.min(axis=2).argmax(axis=1)
         rows = np.arange(len(points))
@@ -89,7 +89,7 @@ class VertexPainting:
         return np.asarray((share * self.values[self.faces[near[rows, best]]]).sum(axis=1))
 
     def _shares(self, points: Float, faces: Int) -> Float:
-        """Barycentric coordinates of points (k, 3) in triangles (k, c), seen along their normals, (k, c, 3)."""
+        """Barycentric coordinates of points (k, 3) in triangles (k, c), along their normals, (k, c, 3)."""
         corner = self.points[self.faces[faces]]
         u, v = corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0]
         w = points[:, None] - corner[:, :, 0]
@@ -101,4 +101,4 @@ class VertexPainting:
         # A point beside the plane of a triangle belongs to another one.
         normal = np.cross(u, v)
         height = np.abs(np.einsum("kci,kci->kc", w, normal)) / size
-        return np.stack([1.0 - second - third, second, third], axis=2) - height[:, :, None]
+        return np.asarray(np.stack([1.0 - second - third, second, third], axis=2) - height[:, :, None])

@@ -12,6 +12,32 @@ from toile.remesh.adapt.transfer import TransferMap
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunHold:
+    """Where a film holds a garment: what pins with times are made from at its start.
+
+    Attributes
+    ----------
+    garment, panel
+        The panel.
+    lines
+        Straight pieces of the edges that are held, in rest space [m], shape (k, 2, 3); None: the whole panel.
+    share
+        How much of the stiffness acts over the film.
+    stiffness
+        Per area [N/m^3].
+    follow
+        Whether places go along with the avatar.
+    """
+
+    garment: int
+    panel: int
+    lines: Float | None
+    share: Keyed
+    stiffness: float
+    follow: bool
+
+
+@dataclass(frozen=True, kw_only=True)
 class TimedPins:
     """Springs per area, E = s(t)/2 integral of k |x - place|^2 over the rest area, lumped at the nodes.
 

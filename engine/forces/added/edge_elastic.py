@@ -1,23 +1,23 @@
 """Elastic along runs of edges: a spring per edge that pulls and never pushes.
 
-E = k L/2 (|d|/L - 1)^2 while |d| > L, else 0: L is the edge's length in the pattern times the rest length of the
-elastic over that of the run, k its stiffness [N], d from one end to the other. The tension k (|d|/L - 1) does
-not depend on the mesh. Where it is shortened elastic buckles, as threads do.
+E = k L/2 (|d|/L - 1)^2 while |d| > L, else 0: L is the edge's length in the pattern times the rest length of
+the elastic over that of the run, k its stiffness [N], d from one end to the other. The tension k (|d|/L - 1)
+does not depend on the mesh. Where it is shortened elastic buckles, as threads do.
 """
 
 import numpy as np
 
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fields.edge_runs import RunEdges, run_edges
-from toile.engine.forces.force import ElementForce, StepState
+from toile.engine.forces.force import StepState
 from toile.engine.solve.hessian import Hessian
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Float, Int
 
 LEAST_LENGTH = 1e-9
 """Length [m] below which an edge has no direction."""
 
 
-class EdgeElastic(ElementForce):
+class EdgeElastic:
     """Elastic on the runs of a cloth whose seams are closed.
 
     Attributes
@@ -26,9 +26,12 @@ class EdgeElastic(ElementForce):
         The edges that lie on runs.
     """
 
+    elastic = True
+    constant_matrix = None
+
     def __init__(self, cloth: Cloth, edges: RunEdges) -> None:
         self.edges = edges
-        self.nodes = edges.nodes
+        self.nodes: Int = edges.nodes
         self._runs = cloth.elastic
         self._keep(cloth.now)
 
@@ -50,7 +53,7 @@ class EdgeElastic(ElementForce):
         return True
 
     def _ways(self, x: Float) -> tuple[Float, Float]:
-        """Unit vectors along the edges, shape (e, 3), and their lengths [m], shape (e,)."""
+        """Return unit vectors along the edges, shape (e, 3), and their lengths [m], shape (e,)."""
         way = x[self.nodes[:, 0]] - x[self.nodes[:, 1]]
         length = np.linalg.norm(way, axis=1)
         return way / np.maximum(length, LEAST_LENGTH)[:, None], length

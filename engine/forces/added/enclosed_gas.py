@@ -1,9 +1,10 @@
 """Gas in a closed garment: an energy of the enclosed volume.
 
-V = sum over faces of x1 . (x2 x x3)/6, and its gradient at a node is a third of the area vectors around it. With
-overpressure p the energy E(V) has E' = -p: the force p dV/dx, the Hessian -p' dV/dx (dV/dx)^T - p V''. The first part
-has rank one and is positive semi-definite; it holds the volume of gas and is kept. The second has both signs and is
-left out: tension of the cloth is larger for all shapes but the smoothest, which Newton's method reaches without it.
+V = sum over faces of x1 . (x2 x x3)/6, and its gradient at a node is a third of the area vectors around it.
+With overpressure p the energy E(V) has E' = -p: the force p dV/dx, the Hessian -p' dV/dx (dV/dx)^T - p V''. The
+first part has rank one and is positive semi-definite; it holds the volume of gas and is kept. The second has
+both signs and is left out: tension of the cloth is larger for all shapes but the smoothest, which Newton's
+method reaches without it.
 """
 
 import numpy as np
@@ -55,7 +56,7 @@ class EnclosedGas(NodalForce):
         return self._gas.energy(self.volume(x), self._seconds)
 
     def _slope(self, x: Float) -> Float:
-        """Derivative of the volume by the positions [m^2], shape (n, 3)."""
+        """Return the derivative of the volume by the positions [m^2], shape (n, 3)."""
         share = area_normals(x[self._faces]) / 6.0
         nodes = self._faces.ravel()
         return np.stack([np.bincount(nodes, np.repeat(share[:, k], 3), len(x)) for k in range(3)], axis=1)

@@ -17,9 +17,7 @@ class KeyedMembrane(Membrane):
     """The membrane of a cloth, with its fields as they are at the end of every step."""
 
     def __init__(self, cloth: Cloth) -> None:
-        super().__init__(
-            cloth.face_nodes, cloth.natural_corners, *(cloth.per_face(name) for name in COLUMNS)
-        )
+        super().__init__(cloth.face_nodes, cloth.natural_corners, *(cloth.per_face(name) for name in COLUMNS))
         assert cloth.fields is not None
         self._cloth, self._now = cloth, cloth.now
 

@@ -1,8 +1,8 @@
 """Pressure on the faces of cloth, towards the right side of the fabric where it is positive.
 
-A follower load: a face with area vector a (its normal times its area) is pushed by p a, a third at each corner.
-Within a step area vectors are those of its start, so that the load has a potential, -sum p a/3 . (x - x0), linear
-in the positions; at rest the faces of the end are those of the start, and the load is exact.
+A follower load: a face with area vector a (its normal times its area) is pushed by p a, a third at each
+corner. Within a step area vectors are those of its start, so that the load has a potential, -sum p a/3 . (x -
+x0), linear in the positions; at rest the faces of the end are those of the start, and the load is exact.
 """
 
 import numpy as np

@@ -14,7 +14,7 @@ from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fields.edge_runs import EdgeRun
-from toile.engine.cloth.fields.fields import Fields
+from toile.engine.cloth.fields.fields import Fields, Value
 from toile.engine.cloth.fields.gas import Gas
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.engine.cloth.fields.timed_pins import TimedPins
@@ -264,7 +264,7 @@ def timed_pull() -> Case:
 def keyed_membrane() -> Case:
     """Its rest shape shrinks over the film: at half a second to 0.8 along the warp."""
     cloth = sheet(replace(SLACK, compression=0.1))
-    values = {"rest_warp": Keyed((0.0, 1.0), (1.0, 0.6)), "stretch_weft": 30.0}
+    values: dict[str, Value] = {"rest_warp": Keyed((0.0, 1.0), (1.0, 0.6)), "stretch_weft": 30.0}
     fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=(values,))
     force = KeyedMembrane(replace(cloth, fields=fields))
     request = replace(REQUEST, seconds=0.5)

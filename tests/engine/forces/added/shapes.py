@@ -25,9 +25,9 @@ def tube(girth: float, width: float, edge: float, radius: float, fabric: Fabric 
     first, last = (np.flatnonzero(np.abs(points[:, 0] - x) < 1e-9) for x in (0.0, girth))
     node = np.arange(len(points), dtype=np.int32)
     node[last] = first
-    used, node = np.unique(node, return_inverse=True)
+    used, merged = np.unique(node, return_inverse=True)
     return replace(
-        flat, node=node.astype(np.int32), positions=start[used], velocities=np.zeros((len(used), 3)),
+        flat, node=merged.astype(np.int32), positions=start[used], velocities=np.zeros((len(used), 3)),
         pinned=np.zeros(len(used), bool),
     )  # fmt: skip
 
@@ -42,9 +42,7 @@ def ball(radius: float, fabric: Fabric = SOFT, subdivisions: int = 3) -> Cloth:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     weft = np.cross(normal, warp)
     sides = corners - corners[:, :1]
-    rest = np.stack(
-        [np.einsum("tci,ti->tc", sides, axis) for axis in (warp, weft)], axis=2
-    )
+    rest = np.stack([np.einsum("tci,ti->tc", sides, axis) for axis in (warp, weft)], axis=2)
     return _closed(points, faces, np.ascontiguousarray(rest), fabric)
 
 

@@ -30,7 +30,7 @@ def settled(cloth: Cloth) -> ClothStepper:
 
 
 def laplace(stepper: ClothStepper) -> float:
-    """Twice the tension of a ball of that radius over it [Pa]: k (s - 1)/s per length where it is s times as large."""
+    """Return twice the tension over the radius [Pa]: k (s - 1)/s where the ball is s times as large."""
     radius = float(np.linalg.norm(stepper.x - stepper.x.mean(axis=0), axis=1).mean())
     stretch = radius / RADIUS
     return 2.0 * SOFT.stretch_warp * (stretch - 1.0) / stretch / radius
