@@ -117,10 +117,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
         "size": (str, "size of a DXF pattern that holds several"),
         "allowance": (NUMBER, "seam allowance [m] of a DXF pattern without a sew line; 0: none is drawn"),
-        "seams": (
-            (str, list),
-            'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
-        ),
+        "seams": ((str, list), 'seams file of a drawn pattern, or ["front.3 + back.2 = sleeve.1", ...]'),
         **GARMENT_KEYS,
     },
     **PART_KEYS,
@@ -164,8 +161,8 @@ def scene_keys_help() -> str:
     """Return the table of all keys as text."""
     lines: list[str] = []
     for table, keys in SCENE_KEYS.items():
-        heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
-        lines.append({**heading, **PART_HEADINGS}.get(table, f"[{table}]"))
+        heading = {"": "top level", "fabric": "[fabric.NAME]", **PART_HEADINGS}
+        lines.append(heading.get(table, f"[{table}]"))
         lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
 

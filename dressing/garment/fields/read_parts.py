@@ -54,7 +54,7 @@ PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     },
 }
 """Table name to key to (accepted types, meaning)."""
-PART_HEADINGS = {name: f"[[{name}]]" for name in PART_KEYS if name != "garment.gas"}
+PART_HEADINGS = {name: f"[[{name}]]" for name in ("garment", *PART_KEYS) if name != "garment.gas"}
 GARMENT_KEYS: dict[str, tuple[Any, str]] = {
     "field": (list, "tables: one [[garment.field]] for each part with values of its own"),
     "elastic": (list, "tables: one [[garment.elastic]] for each elastic along edges"),
