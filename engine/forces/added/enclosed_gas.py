@@ -3,7 +3,7 @@
 V = sum over faces of x1 . (x2 x x3)/6, and its gradient at a node is a third of the area vectors around it.
 With overpressure p the energy E(V) has E' = -p: the force p dV/dx, the Hessian -p' dV/dx (dV/dx)^T - p V''.
 The first part has rank one and is positive semi-definite; it holds the volume of gas and is kept. The second
-has both signs and is left out: tension of the cloth is larger for all shapes but the smoothest, which Newton's
+has both signs and is left out: tension of cloth is larger for all shapes but the smoothest, which Newton's
 method reaches without it.
 """
 
