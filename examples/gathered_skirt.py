@@ -66,9 +66,8 @@ def main(output: str = "out", edge_length: float | None = None) -> toile.Result:
     result = toile.dress(scene, output=output, say=print)
     height = 100.0 * result.garments[0].positions[:, 1].max()
     pull, straight = tension(result.garments[0])
-    print(
-        f"{result.status}: the waist is at {height:.0f} cm, its elastic pulls with {pull:.2f} N ({straight:.2f} N)"
-    )
+    print(f"{result.status}: the waist is at {height:.0f} cm")
+    print(f"its elastic pulls with {pull:.2f} N, if it lay straight with {straight:.2f} N")
     return result
 
 

@@ -9,6 +9,7 @@ from toile.engine.adapt.patch_gate import PatchGate
 from toile.engine.adapt.remeshing_record import NOISE, Remeshing
 from toile.engine.adapt.sizing_field import face_metrics
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.fields.edge_runs import end_vertices
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.wind import Wind
@@ -202,6 +203,11 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     region = np.unique(parts, return_inverse=True)[1]
     kept = np.zeros(len(x), bool)
     kept[cloth.stitches.ravel()] = True
+    frozen = _edges_between(cloth.face_nodes, kept)
+    for run in (*cloth.elastic, *cloth.holds):
+        if run.lines is not None:
+            own = cloth.faces[(cloth.garment == run.garment) & (cloth.panel == run.panel)]
+            kept[cloth.node[end_vertices(run.lines, np.unique(own), rest)]] = True
     return ClothMesh(
         rest=rest,
         node=cloth.node,
@@ -211,7 +217,7 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
         positions=x.copy(),
         kept=kept,
         pinned=cloth.pinned,
-        frozen_edges=_edges_between(cloth.face_nodes, kept),
+        frozen_edges=frozen,
     )
 
 

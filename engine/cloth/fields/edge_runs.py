@@ -96,6 +96,19 @@ def run_edges(runs: tuple[EdgeRun, ...], node: Int, faces: Int, owner: Int, rest
     )  # fmt: skip
 
 
+def end_vertices(lines: Float, vertices: Int, rest: Float) -> Int:
+    """Return those of some vertices (k,) that lie where lines, shape (l, 2, 3), begin and end as a whole.
+
+    `rest` are all material vertices in rest space [m], shape (m, 3). They must stay, or the run would end
+    within an edge of the mesh.
+    """
+    points = lines.reshape(-1, 3)
+    apart = np.linalg.norm(points[:, None] - points, axis=2)
+    ends = points[(apart <= ON_LINE).sum(axis=1) == 1]
+    near = np.linalg.norm(rest[vertices][:, None] - ends, axis=2).min(axis=1, initial=np.inf)
+    return np.asarray(vertices[near <= ON_LINE])
+
+
 def border_sides(faces: Int) -> tuple[Int, Int]:
     """Return the sides that only one face has, as vertex pairs (b, 2), and the face of each, shape (b,)."""
     sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -24,7 +24,8 @@ def test_brightness(tmp_path: Path, mode: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"), [(b"GIF89a", "no PNG"), (b"\x89PNG\r\n\x1a\n", "save it as PNG"), (None, "check the path")]
+    ("content", "said"),
+    [(b"GIF89a", "no PNG"), (b"\x89PNG\r\n\x1a\n", "save it as PNG"), (None, "check the path")],
 )  # fmt: skip
 def test_what_is_no_image_is_refused(tmp_path: Path, content: bytes | None, said: str) -> None:
     path = tmp_path / "image.png"
