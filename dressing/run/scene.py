@@ -11,6 +11,7 @@ from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
+from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
@@ -128,6 +129,14 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
+    fields
+        Values on parts of it that differ from its fabric's: Field.
+    elastic
+        Elastic along edges: Elastic.
+    holds
+        Where a film holds it, and when: Hold.
+    gas
+        Gas in it, if it is closed: Filling.
     """
 
     source: str | Path | GarmentMesh
@@ -144,6 +153,17 @@ class Garment:
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
     panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
+    fields: Sequence[Field] = ()
+    elastic: Sequence[Elastic] = ()
+    holds: Sequence[Hold] = ()
+    gas: Filling | None = None
+
+    @property
+    def parts(self) -> Parts:
+        """All that it says of its parts."""
+        return Parts(
+            fields=tuple(self.fields), elastic=tuple(self.elastic), holds=tuple(self.holds), gas=self.gas
+        )
 
     def __post_init__(self) -> None:
         """Raise InputError if `walls` is not 1 or 2."""
