@@ -13,6 +13,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
+from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.kernels import (
@@ -103,7 +104,7 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
 def _is_sewn(scene: ResolvedScene) -> bool:
     """Whether a garment of the scene is sewn of panels."""
     return any(
-        isinstance(garment.source, str)
+        isinstance(garment.source, str | Pattern)
         or (isinstance(garment.source, Path) and garment.source.suffix.lower() in PATTERNS)
         for garment in scene.garments
     )

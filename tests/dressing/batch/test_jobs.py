@@ -157,7 +157,7 @@ def test_names_tell_files_apart() -> None:
     assert unique_names(["x/a.obj", "x/b.obj"]) == ["a", "b"]
     assert unique_names(["x/a.obj", "x/a.ply"]) == ["a.obj", "a.ply"]
     assert unique_names(["x/a.obj", "y/a.obj"]) == ["x_a.obj", "y_a.obj"]
-    scene = Scene(avatar="b/Body 1.ply", garments=["tshirt", Garment("c.obj", fabric="canvas")])  # type: ignore[list-item]
+    scene = Scene(avatar="b/Body 1.ply", garments=["tshirt", Garment("c.obj", fabric="canvas")])
     assert job_name(scene) == "Body_1__tshirt-c__canvas"
     with pytest.raises(InputError, match="use letters"):
         Job("../up", scene)
