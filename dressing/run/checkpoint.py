@@ -20,6 +20,7 @@ from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import AvatarFile
 from toile.dressing.wear.drape_types import DrapeOutcome
 from toile.geometry.errors import InputError
+from toile.remesh.sizing.sizing import SizingOptions
 
 if TYPE_CHECKING:
     from toile.engine.film.plan import FilmState
@@ -50,6 +51,8 @@ class Hung:
         As they hang, in the room.
     report
         Its figures.
+    sizing
+        How its mesh adapts, or None.
     """
 
     avatar: Avatar
@@ -58,6 +61,7 @@ class Hung:
     drape: DrapeOutcome
     garments: tuple[DressedGarment, ...]
     report: dict[str, Any]
+    sizing: SizingOptions | None
 
 
 class Checkpoint:

@@ -229,7 +229,7 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     return FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=hung.sizing,
     )  # fmt: skip
 
 
