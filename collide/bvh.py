@@ -253,7 +253,7 @@ def not_crowded(found: int, most: int) -> int:
     if found > most:
         raise CrowdedError(
             f"{found:.2g} pairs of triangles are close enough to touch, more than memory is for: cloth is "
-            "thicker than its triangles are long, or a mesh far too fine (check thickness, edge length, units)"
+            "thicker than its triangles are long, or a mesh far too fine (check thickness, edge length)"
         )
     return found
 
