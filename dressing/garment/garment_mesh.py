@@ -10,6 +10,7 @@ from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
+from toile.geometry.given_arrays import floats, indices
 
 if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
@@ -71,6 +72,8 @@ class GarmentMesh:
         Fabric of panels that are of another than the garment, by their names.
     notes
         What was noticed in the file, one sentence each.
+
+    Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
 
     name: str
@@ -96,3 +99,32 @@ class GarmentMesh:
     thickness: float | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Take arrays of any numeric type, checked."""
+        name = f"garment '{self.name}'"
+
+        def floating(entry: str, *shape: int | None) -> Float:
+            return floats(getattr(self, entry), f"{name}: {entry}", shape, entry)
+
+        def naming(entry: str, count: int, *shape: int | None) -> Int:
+            return indices(getattr(self, entry), f"{name}: {entry}", shape, count, entry)
+
+        positions = floating("positions", None, 3)
+        corners = len(positions)
+        faces = naming("faces", corners, None, 3)
+        stitches = naming("stitches", corners, None, 2)
+        checked = {
+            "positions": positions,
+            "faces": faces,
+            "uv": floating("uv", corners, 2),
+            "panel": naming("panel", len(self.panel_names), len(faces)),
+            "rest_corners": floating("rest_corners", len(faces), 3, 2),
+            "stitches": stitches,
+            "seam": naming("seam", len(self.seam_names), len(stitches)),
+            "pinned": naming("pinned", corners, None),
+        }
+        if self.pull is not None:
+            checked["pull"] = floating("pull", corners)
+        for entry, array in checked.items():
+            object.__setattr__(self, entry, array)

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.files.writers.atomic import write_atomic
 from toile.dressing.pattern.fit_cubics import with_curves
 from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Edge, Panel, Pattern, Quadratic
@@ -23,7 +24,8 @@ def write_garmentcode(pattern: Pattern, path: str | Path) -> None:
     place; writing that again changes nothing. A panel or an edge without a role comes back with the one that
     its name or label has in GarmentCode; another role of its own is written beside them.)
     """
-    Path(path).write_text(json.dumps(garmentcode_document(pattern), indent=1) + "\n", encoding="utf-8")
+    text = json.dumps(garmentcode_document(pattern), indent=1) + "\n"
+    write_atomic(Path(path), text.encode())
 
 
 def garmentcode_document(pattern: Pattern) -> dict[str, Any]:

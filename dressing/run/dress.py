@@ -40,7 +40,8 @@ def dress(
         Folder for dressed.glb, preview.png, report.json and a PLY, an OBJ and the scene's `formats` per
         garment; None writes nothing.
     progress
-        Called after every frame; returning False cancels, and what is draped so far is the result.
+        Called after every frame; returning False cancels, and what is draped so far is the result. So does a
+        first Ctrl-C, or the stop of a notebook; a second one raises KeyboardInterrupt.
     say
         Called with one sentence for everything that was recognised or repaired, and before compiling.
     record
@@ -58,8 +59,9 @@ def dress(
     """
     resolved = resolve(scene)
     folder = None if output is None else writable_folder(output)
-    with one_run(folder):
-        return _from_the_start(resolved, folder, Listener(progress, say, record))
+    listener = Listener(progress, say, record)
+    with one_run(folder), listener.heeding_interrupts():
+        return _from_the_start(resolved, folder, listener)
 
 
 def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
@@ -70,8 +72,9 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
     folder = Path(output)
     if not folder.is_dir():
         raise InputError(f"{folder}: there is no run to resume; there is no such folder", file=folder)
-    with one_run(writable_folder(folder)):
-        return _resumed(folder, Listener(progress, say))
+    listener = Listener(progress, say)
+    with one_run(writable_folder(folder)), listener.heeding_interrupts():
+        return _resumed(folder, listener)
 
 
 def _resumed(folder: Path, listener: Listener) -> Result:
