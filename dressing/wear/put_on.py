@@ -25,8 +25,11 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
+from toile.dressing.wear.raised_arms import raised_arms
+from toile.dressing.wear.rings import rolled_rings
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
@@ -162,7 +165,14 @@ def _put_on(
     notes = [f"garment '{mesh.name}': {note}" for mesh, _ in garments for note in mesh.notes]
     shapes = [(avatar.vertices, GROWTH_PER_STEP)]
     body = None if isinstance(form.measured, InputError) else form.measured
-    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
+    raised = raised_arms(thin, avatar.faces, body, [mesh for mesh, _ in garments])
+    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments]) if raised is None else None
+    if raised is not None:
+        (first, *later), raised_sleeves = raised
+        shapes = [*((shape, ARMS_PER_STEP) for shape in (*later, thin)), *shapes]
+        thin = first
+        garments = [(mesh, fabric) for mesh, (_, fabric) in zip(raised_sleeves, garments, strict=True)]
+        notes.append("the arms are raised until the garment hangs, so that its skirt closes below the sleeves")
     if drawn is not None:
         shapes.insert(0, (thin, ARMS_PER_STEP))
         thin = drawn
@@ -174,9 +184,13 @@ def _put_on(
     for mesh, fabric in garments:
         lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
         notes += said
-        layered, said = flared_outside(lifted)
+        hung, said = hung_below(lifted, shoulder)
         notes += said
-        placed.append((layered, fabric))
+        layered, said = flared_outside(hung)
+        notes += said
+        rolled, said = rolled_rings(layered, obstacle[0], shoulder)
+        notes += said
+        placed.append((rolled, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
     notes += said
     meshes, said = clear_panels(meshes, obstacle)
