@@ -1,6 +1,6 @@
 """Meshing of a panel with folds: corners where they end, and what lies between them filled apart."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -51,6 +51,18 @@ def fold_cuts(pattern: Pattern) -> dict[tuple[str, int], list[float]]:
                     )
                 cuts.setdefault((panel.name, edge), []).append(fraction)
     return cuts
+
+
+def joined_cuts(
+    cuts: Mapping[tuple[str, int], Sequence[float]] | None, folds: Mapping[tuple[str, int], Sequence[float]]
+) -> dict[tuple[str, int], list[float]] | None:
+    """Return cuts of edges and those where folds end together; None where there is none."""
+    if not cuts and not folds:
+        return None
+    return {
+        key: [*(cuts or {}).get(key, ()), *folds.get(key, ())]
+        for key in dict.fromkeys([*(cuts or ()), *folds])
+    }
 
 
 def _check(where: str, panel: str, fold: Fold) -> None:
