@@ -83,7 +83,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "lead_in": (
             (int, float, str),
-            "motion from the rest pose into the clip [s], or off (default: if needed)",
+            "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
