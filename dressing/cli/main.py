@@ -137,8 +137,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     add_reading(dress)
     dress.add_argument(
         "--lead-in", type=lead_in, metavar="SECONDS|off",
-        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where its arms hang); "
-        "off also leaves the arms of a body that stands",
+        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
+        "hang); off leaves the arms of a body that stands",
     )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(
