@@ -67,8 +67,8 @@ def relative_point(start: Point, end: Point, point: Point) -> Point:
     squared = dx * dx + dy * dy
     if squared < NO_LENGTH**2:
         raise InputError(
-            f"a curved edge begins and ends in one point, ({start[0]:.4g}, {start[1]:.4g}) m; split it, or move "
-            "one of its ends"
+            f"a curved edge begins and ends in one point, ({start[0]:.4g}, {start[1]:.4g}) m; split it or "
+            "move one of its ends"
         )
     return (px * dx + py * dy) / squared, (py * dx - px * dy) / squared
 
