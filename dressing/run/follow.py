@@ -13,8 +13,9 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
+from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.listener import Listener
+from toile.dressing.run.output.earlier_run import FILM, FRAMES
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
@@ -23,6 +24,7 @@ from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import TOP, is_off, strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.begin_holds import at_start
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
     LONGEST_STEP,
@@ -127,8 +129,8 @@ def follow(
 
     body = (hung.body.vertices, hung.body.faces)
     film = Simulation(
-        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, clock,
-        hung.drape.pin_motion,
+        at_start(hung.drape.cloth, motion), body, _plan(scene, hung, motion.fps), on_film_frame, motion,
+        clock, hung.drape.pin_motion,
     )  # fmt: skip
     done = 0
     if state is not None:
@@ -239,7 +241,7 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     return FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=hung.sizing,
     )  # fmt: skip
 
 
