@@ -81,7 +81,7 @@ def load_animated_avatar(
             moving = _read_frames(path)
         reading = _completed(reading, moving)
         if len(moving.frames) > 1:
-            return _moving_avatar(path, moving, reading, fps)
+            return moving_avatar(path, moving, reading, fps)
         if is_folder(path):
             raise InputError(
                 f"{path}: a motion needs at least two frames, got 1; give the mesh instead", file=path
@@ -119,7 +119,7 @@ def led_in_avatars(
                 lead=count,
             )
             try:
-                avatar = _moving_avatar(path, moving, replace(reading, up=up), fps)
+                avatar = moving_avatar(path, moving, replace(reading, up=up), fps)
             except InputError:
                 # The clip can be read: what is wrong is this pose.
                 continue
@@ -187,7 +187,7 @@ def _read_frames(path: Path) -> MovingSurface:
     return read_usd(path) if path.suffix.lower() in USD else read_npz_motion(path)
 
 
-def _moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:
+def moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:
     """Return the avatar of frames, with its motion."""
     surface = moving.surface
     kept, said = body_faces(path.name, surface, reading.only, reading.without)

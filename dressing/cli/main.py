@@ -43,8 +43,8 @@ examples:
   toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
-exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 4 the garment fell off,
-5 cloth grew beyond reason, 130 cancelled"""
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed or disk full,
+4 the garment fell off, 5 cloth grew beyond reason, 130 cancelled"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -69,6 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("TOILE_TRACEBACK"):
             raise
+        if isinstance(error, OSError):
+            print(f"toile: {_unwritten(error)}", file=sys.stderr)
+            return FAILED
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         print(
             f"toile: the simulation failed unexpectedly ({reason}); this is a bug in toile, "
@@ -76,6 +79,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return FAILED
+
+
+def _unwritten(error: OSError) -> str:
+    """Say in a line which file could not be written or read, and what to do."""
+    from toile.dressing.batch.failure_classes import disk_is_full
+
+    file = error.filename or "a file"
+    reason = error.strerror or type(error).__name__
+    if disk_is_full(error):
+        return (
+            f"{file}: the disk is full ({reason}); make room and run it again, a run that had begun with "
+            "toile dress --resume OUTDIR"
+        )
+    return f"{file}: cannot be read or written ({reason}); check its folder, rights and disk"
 
 
 def command_parser() -> argparse.ArgumentParser:

@@ -10,6 +10,7 @@ from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
+from toile.geometry.given_arrays import floats, indices
 
 if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
@@ -107,6 +108,8 @@ class GarmentMesh:
         Values on regions of it, or None.
     elastic, holds, gas
         Elastic along runs, places where a film holds it, and gas in it, as its only garment.
+
+    Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
 
     name: str
@@ -138,3 +141,32 @@ class GarmentMesh:
     elastic: "tuple[EdgeRun, ...]" = ()
     holds: "tuple[RunHold, ...]" = ()
     gas: "tuple[Gas, ...]" = ()
+
+    def __post_init__(self) -> None:
+        """Take arrays of any numeric type, checked."""
+        name = f"garment '{self.name}'"
+
+        def floating(entry: str, *shape: int | None) -> Float:
+            return floats(getattr(self, entry), f"{name}: {entry}", shape, entry)
+
+        def naming(entry: str, count: int, *shape: int | None) -> Int:
+            return indices(getattr(self, entry), f"{name}: {entry}", shape, count, entry)
+
+        positions = floating("positions", None, 3)
+        corners = len(positions)
+        faces = naming("faces", corners, None, 3)
+        stitches = naming("stitches", corners, None, 2)
+        checked = {
+            "positions": positions,
+            "faces": faces,
+            "uv": floating("uv", corners, 2),
+            "panel": naming("panel", len(self.panel_names), len(faces)),
+            "rest_corners": floating("rest_corners", len(faces), 3, 2),
+            "stitches": stitches,
+            "seam": naming("seam", len(self.seam_names), len(stitches)),
+            "pinned": naming("pinned", corners, None),
+        }
+        if self.pull is not None:
+            checked["pull"] = floating("pull", corners)
+        for entry, array in checked.items():
+            object.__setattr__(self, entry, array)

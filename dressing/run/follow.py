@@ -13,8 +13,9 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
+from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.listener import Listener
+from toile.dressing.run.output.earlier_run import FILM, FRAMES
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
@@ -230,7 +231,7 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     return FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=hung.sizing,
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
+from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.kernels import (
@@ -30,6 +31,7 @@ from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import AvatarFile, MannequinSize
 from toile.dressing.run.scene_avatar import load_dress_form
+from toile.dressing.wear.coarsest_edges import fitting_sizing
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
@@ -96,14 +98,14 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     )
     return Hung(
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
-        garments=garments, report=report,
+        garments=garments, report=report, sizing=sewing.options.sizing,
     )  # fmt: skip
 
 
 def _is_sewn(scene: ResolvedScene) -> bool:
     """Whether a garment of the scene is sewn of panels."""
     return any(
-        isinstance(garment.source, str)
+        isinstance(garment.source, str | Pattern)
         or (isinstance(garment.source, Path) and garment.source.suffix.lower() in PATTERNS)
         for garment in scene.garments
     )
@@ -176,7 +178,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
     for edges in scene.sewing:
         started = now()
         before, meshes = meshes, [load_garment(garment, form, edges) for garment in scene.garments]
-        options = _options(scene, meshes, edges, floor_height(scene.ground, form))
+        options = _options(scene, meshes, edges, form)
         if work >= MOST_RETRIED:
             options = replace(options, persistent=True, most_work=_work_left(meshes, work, last_work))
         reading = reading.plus(now().less(started))
@@ -229,14 +231,14 @@ def floor_height(ground: bool | float, form: DressForm) -> float | None:
 
 
 def _options(
-    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, floor: float | None
+    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, form: DressForm
 ) -> DrapeOptions:
     """Return how garments are draped that are sewn in these edges."""
     return DrapeOptions(
         edge_length=edges.length,
         max_frames=scene.max_frames,
         tolerance=scene.tolerance,
-        sizing=scene.sizing,
+        sizing=fitting_sizing(scene.sizing, meshes, form.avatar.vertices, form.avatar.faces),
         gravity=scene.gravity,
         friction=scene.friction,
         friction_between=scene.friction_between,
@@ -245,7 +247,7 @@ def _options(
         ),
         self_contact=tuple(garment.self_contact for garment in scene.garments),
         persistent=edges == scene.sewing[-1],
-        ground=floor,
+        ground=floor_height(scene.ground, form),
     )
 
 

@@ -121,8 +121,8 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     )
     if isinstance(source, Path) and is_drawn:
         found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
-    elif isinstance(source, Path):
-        found = read_garment(source)
+    elif isinstance(source, Path | Pattern):
+        found = read_garment(source) if isinstance(source, Path) else _checked(source)
         if isinstance(found, Pattern):
             found = on_the_floor(found, form.avatar.vertices)
     else:
@@ -132,7 +132,7 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         return parts_on_mesh(moved_in(found, form.place), parts, fps)
     if isinstance(garment.seams, tuple) and not is_drawn:
         found = with_seams(found, garment.seams)
-    if isinstance(source, Path) and not is_drawn:
+    if isinstance(source, Path | Pattern) and not is_drawn:
         if not (form.place.is_own or form.place.turn):
             mesh = mesh_with_parts(found, parts, edges, fps)
             if _lies_in_the_room(mesh, form):
@@ -167,6 +167,12 @@ def _overlap(mesh: GarmentMesh, avatar: Avatar) -> float:
     low = np.maximum(mesh.positions.min(axis=0), avatar.vertices.min(axis=0))
     high = np.minimum(mesh.positions.max(axis=0), avatar.vertices.max(axis=0))
     return float(np.maximum(high - low, 0.0).prod())
+
+
+def _checked(pattern: Pattern) -> Pattern:
+    """Return a pattern that was made in memory. Raises InputError if it cannot be sewn."""
+    check_pattern(pattern)
+    return pattern
 
 
 def _drawn_pattern(source: Path, garment: ResolvedGarment, form: DressForm) -> Pattern:

@@ -162,7 +162,7 @@ def resolve(scene: Scene) -> ResolvedScene:
 def _seams(garment: Garment) -> Path | tuple[str, ...] | None:
     """Return a garment's seams file or seams. Raises InputError if a length or a text is none."""
     allowance = garment.allowance
-    if allowance is not None and not (isinstance(allowance, int | float) and 0.0 <= allowance < 0.2):
+    if allowance is not None and not 0.0 <= allowance < 0.2:
         raise InputError(
             f"allowance must lie between 0 and 0.2 m, got {allowance!r}", field="allowance",
             garment=default_name(garment),
@@ -217,10 +217,7 @@ def _avatar_source(avatar: object) -> AvatarSource:
     """Return where the avatar comes from, by default the built-in mannequin of its own size."""
     if avatar is None:
         return MannequinSize()
-    if not isinstance(avatar, Avatar | AvatarFile | MannequinSize):
-        raise InputError(
-            f"avatar must be an Avatar, a file or a mannequin size, got {avatar!r}", field="avatar"
-        )
+    assert isinstance(avatar, Avatar | AvatarFile | MannequinSize), "Scene has checked it"
     return avatar
 
 

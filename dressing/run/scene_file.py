@@ -385,7 +385,10 @@ class _SceneReader:
         missing = sorted(needed - base.keys() - given.keys())
         if missing:
             raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
-        fabric = Fabric(**{**base, **given, "name": name})
+        try:
+            fabric = Fabric(**{**base, **given, "name": name})
+        except InputError as error:
+            raise self._at((*place, str(error.field).removeprefix("fabric.")), error) from None
         invalid = invalid_field(fabric)
         if invalid is not None:
             raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")

@@ -22,7 +22,8 @@ from toile.geometry.errors import InputError
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
     """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
 
-    `pins` names pinned material vertices, one array per garment, beside those that its mesh pins.
+    `pins` names material vertices that are pinned where they start, one array per garment, beside those that
+    its mesh pins.
     """
     offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
     seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])

@@ -1,6 +1,10 @@
 """Mechanical properties of a fabric, in SI units."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, SupportsFloat
+
+from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +31,8 @@ class Fabric:
         Time by which the damping of stretch and shear exceeds their stiffness, number for number [s].
     friction_body, friction_self
         Coulomb coefficients against the avatar and against cloth.
+
+    Raises InputError naming a field that is no finite number.
     """
 
     name: str
@@ -42,3 +48,26 @@ class Fabric:
     damping: float = 0.0
     friction_body: float = 0.35
     friction_self: float = 0.3
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, name: str, areal_density: SupportsFloat, thickness: SupportsFloat,
+            bending_warp: SupportsFloat, bending_weft: SupportsFloat, bending_bias: SupportsFloat,
+            stretch_warp: SupportsFloat, stretch_weft: SupportsFloat, shear: SupportsFloat,
+            compression: SupportsFloat = 0.02, damping: SupportsFloat = 0.0,
+            friction_body: SupportsFloat = 0.35, friction_self: SupportsFloat = 0.3,
+        ) -> None: ...  # fmt: skip
+
+    def __post_init__(self) -> None:
+        """Accept numbers of any real type."""
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if entry.name == "name":
+                continue
+            if not is_real(value):
+                raise InputError(
+                    f"fabric '{self.name}': {entry.name} must be a finite number, got {shown(value)}",
+                    field=f"fabric.{entry.name}",
+                )
+            object.__setattr__(self, entry.name, float(value))

@@ -17,6 +17,7 @@ from toile.engine.film.step_sizes import StepLimits, StepSizes
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
 from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import CrowdedError
 from toile.geometry.stage_clock import StageClock
 
 MOVED = 1.0
@@ -74,16 +75,24 @@ class Simulation(ClothRun):
         for _ in range(round(seconds / self.plan.frame_seconds)):
             if self.record.cancelled or self._jumps():
                 break
-            # Before the mesh is adapted, and after: a film that is resumed after this frame runs the same.
-            self._focus(self._frame_time())
-            if self._remesh():
-                self._focus(self._frame_time())
-            self._advance()
-            self._catch_up()
-            self._close_frame()
+            try:
+                self._to_next_frame()
+            except (FloatingPointError, CrowdedError) as error:
+                last = self._called(len(self.record.crossings) - 1)
+                self.record.failure = f"the solver broke down after {last}: {error}"
             if self.record.failure:
                 break
         return self.record
+
+    def _to_next_frame(self) -> None:
+        """Adapt the mesh, step to the next frame and close it."""
+        # Before the mesh is adapted, and after: a film that is resumed after this frame runs the same.
+        self._focus(self._frame_time())
+        if self._remesh():
+            self._focus(self._frame_time())
+        self._advance()
+        self._catch_up()
+        self._close_frame()
 
     def state(self) -> FilmState:
         """Return all that is needed to resume the film after a frame."""

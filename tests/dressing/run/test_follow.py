@@ -125,17 +125,17 @@ def test_wind_moves_what_follows(scene: Scene, whole: Path, tmp_path: Path) -> N
 
 def test_bad_input_leaves_a_run_that_can_be_taken_up(tmp_path: Path) -> None:
     (tmp_path / ".resume").mkdir()
-    (tmp_path / ".resume" / "scene").write_bytes(b"of a run before")
+    (tmp_path / ".resume" / "scene.npz").write_bytes(b"of a run before")
     with pytest.raises(InputError, match="garment file not found"):
         dress(Scene(garments=[Garment("missing.obj")]), tmp_path)
-    assert (tmp_path / ".resume" / "scene").read_bytes() == b"of a run before"
+    assert (tmp_path / ".resume" / "scene.npz").read_bytes() == b"of a run before"
 
 
 def test_nothing_to_take_up_and_damage_are_named(whole: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no run to resume"):
         resume(whole)
     (tmp_path / ".resume").mkdir()
-    (tmp_path / ".resume" / "scene").write_bytes(b"broken")
+    (tmp_path / ".resume" / "scene.npz").write_bytes(b"broken")
     with pytest.raises(InputError, match="is damaged"):
         resume(tmp_path)
 

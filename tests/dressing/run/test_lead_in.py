@@ -9,6 +9,7 @@ import pytest
 
 from tests.dressing.files.gltf_writer import Glb
 from tests.dressing.files.skinned_mannequin import FPS, skinned_mannequin
+from toile.dressing.batch.job import Job
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.cli.main import main
@@ -207,7 +208,7 @@ def test_scene_files_and_options_say_it(
 def test_columns_of_jobs_say_it(tmp_path: Path) -> None:
     jobs = tmp_path / "jobs.csv"
     jobs.write_text("name,avatar,garment,lead_in\na,a.glb,tshirt,0.5\nb,a.glb,tshirt,off\nc,a.glb,tshirt,\n")
-    avatars = [job.scene.avatar for job in JobsFile(jobs, {})]
+    avatars = [job.scene.avatar for job in JobsFile(jobs, {}) if isinstance(job, Job)]
     assert [avatar.lead_in for avatar in avatars if isinstance(avatar, AvatarFile)] == [0.5, "off", None]
 
 

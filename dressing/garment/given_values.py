@@ -1,0 +1,88 @@
+"""Values that users give for fields of a scene, in any convenient spelling, as the scene holds them."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.pattern.pattern import Pattern
+from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, is_whole, shown
+
+
+def given_path(value: object, field: str) -> Path:
+    """Return a path, given as one or as a text. Raises InputError for anything else."""
+    if not isinstance(value, str | Path):
+        raise InputError(f"{field} must be a path, got {shown(value)}", field=field)
+    return Path(value)
+
+
+def given_names(value: object, field: str) -> tuple[str, ...]:
+    """Return names, given as a sequence or as one name. Raises InputError for anything else."""
+    names = (value,) if isinstance(value, str) else value
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{field} must be a list of texts, got {shown(value)}", field=field)
+    return tuple(names)
+
+
+def checked_text(value: object, field: str) -> None:
+    """Raise InputError unless a value is a text or None."""
+    if not isinstance(value, str | None):
+        raise InputError(f"{field} must be a text, got {shown(value)}", field=field)
+
+
+def given_real(value: object, field: str, *, words: bool = False) -> float | str | None:
+    """Return a number as a float, None as it is, and a text where `words` are allowed.
+
+    Numbers that are not finite stay for those who know the limits. Raises InputError for anything else.
+    """
+    if value is None or (words and isinstance(value, str)):
+        return value
+    if is_real(value):
+        return float(value)  # type: ignore[arg-type]
+    if isinstance(value, float | np.floating):
+        return float(value)
+    raise InputError(f"{field} must be a number, got {shown(value)}", field=field)
+
+
+def given_garment(source: object) -> str | Path | GarmentMesh | Pattern:
+    """Return what a garment is made from; a GarmentCode specification as a dictionary becomes its Pattern.
+
+    Raises InputError if nothing can be made from it.
+    """
+    if isinstance(source, Mapping):
+        from toile.dressing.pattern.garmentcode import pattern_of
+
+        return pattern_of(source)
+    if not isinstance(source, str | Path | GarmentMesh | Pattern):
+        raise InputError(
+            "a garment is the name of a pattern, a file, a Pattern, a GarmentCode specification as a "
+            f"dictionary or a GarmentMesh, got {shown(source)}",
+            field="source",
+        )
+    return source
+
+
+def given_pins(value: object) -> tuple[str | int, ...]:
+    """Return pins, given as one or as a sequence, numbers as int. Raises InputError for anything else."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    pins = (value,) if isinstance(value, str) or is_whole(value) else value
+    if not isinstance(pins, Sequence) or not all(isinstance(pin, str) or is_whole(pin) for pin in pins):
+        raise InputError(f"pins are edge labels and numbers of vertices, got {shown(value)}", field="pins")
+    return tuple(pin if isinstance(pin, str) else int(pin) for pin in pins)
+
+
+def given_warp(value: object) -> float | dict[str, float]:
+    """Return the turn of the warp [degrees], or those of panels. Raises InputError unless it is finite."""
+    angles = value.values() if isinstance(value, Mapping) else (value,)
+    for angle in angles:
+        if not is_real(angle):
+            raise InputError(
+                f"warp_angle must be a finite number of degrees, or one for each panel, got {shown(angle)}",
+                field="warp_angle",
+            )
+    if isinstance(value, Mapping):
+        return {str(panel): float(angle) for panel, angle in value.items()}
+    return float(value)  # type: ignore[arg-type]

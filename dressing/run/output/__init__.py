@@ -1,0 +1,1 @@
+"""What a run keeps in its output folder: a lock, its state, what an earlier run has left."""
