@@ -188,7 +188,9 @@ def _put_on(
         shapes = [*((shape, ARMS_PER_STEP) for shape in (*later, thin)), *shapes]
         thin = first
         garments = [(mesh, fabric) for mesh, (_, fabric) in zip(raised_sleeves, garments, strict=True)]
-        notes.append("the arms are raised until the garment hangs, so that its skirt closes below the sleeves")
+        notes.append(
+            "the arms are raised until the garment hangs, so that its skirt closes below the sleeves"
+        )
     if drawn is not None:
         shapes.insert(0, (thin, ARMS_PER_STEP))
         thin = drawn

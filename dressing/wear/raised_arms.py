@@ -43,7 +43,8 @@ def raised_arms(
         angle = sign * (body.arm_angle - LEVEL)
         share = _share(vertices, faces, shoulder, axis, sign)
         shapes = [
-            _turned(shape, shoulder, angle * (1.0 - stage / STAGES) * share) for stage, shape in enumerate(shapes)
+            _turned(shape, shoulder, angle * (1.0 - stage / STAGES) * share)
+            for stage, shape in enumerate(shapes)
         ]
         for mesh, place in zip(meshes, positions, strict=True):
             own = on_sleeves(mesh) & (sign * mesh.positions[:, 0] > 0.0)

@@ -48,8 +48,14 @@ def rolled_rings(mesh: GarmentMesh, body: Float, shoulder: float) -> tuple[Garme
     for ring in _rings(mesh, owner, shoulder):
         own = ring.panels[owner]
         level = positions[own, 1]
-        there = body[(body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)]
-        depth = float(there[:, 2].min() + there[:, 2].max()) / 2.0 if len(there) else float(positions[own, 2].mean())
+        there = body[
+            (body[:, 1] > level.min()) & (body[:, 1] < level.max()) & (np.abs(body[:, 0]) < ring.radius)
+        ]
+        depth = (
+            float(there[:, 2].min() + there[:, 2].max()) / 2.0
+            if len(there)
+            else float(positions[own, 2].mean())
+        )
         facing = np.sign(_facing(mesh))[owner[own]]
         positions[own] = rolled(positions[own], facing, ring.radius, depth)
         names = ", ".join(np.array(mesh.panel_names)[ring.panels])
@@ -83,7 +89,12 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
         one, other = ends[mesh.seam == seam][0].tolist()
         pair = np.zeros(count, bool)
         pair[[one, other]] = True
-        if one == other or facing[one] * facing[other] > 0.0 or not upright[pair].all() or (high[pair, 1] > shoulder).any():
+        if (
+            one == other
+            or facing[one] * facing[other] > 0.0
+            or not upright[pair].all()
+            or (high[pair, 1] > shoulder).any()
+        ):
             continue
         sides = mesh.positions[mesh.stitches[pair[ends].all(axis=1)]][:, :, 0].mean(axis=1)
         straight = all(_curl(mesh, owner, ends, panel) < CURLED for panel in (one, other))
@@ -91,7 +102,9 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
         ring = _ring(pair, low, high, False)
         if both and straight and ring.radius > WIDE and not any((r.panels & pair).any() for r in found):
             found.append(ring)
-    return [ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()]
+    return [
+        ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()
+    ]
 
 
 def _ring(panels: Bool, low: Float, high: Float, collar: bool) -> Ring:
