@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from toile.dressing.garment.fabrics import checked_fabric
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.pattern import Pattern
+from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import is_real, is_whole, shown
 
@@ -86,3 +88,23 @@ def given_warp(value: object) -> float | dict[str, float]:
     if isinstance(value, Mapping):
         return {str(panel): float(angle) for panel, angle in value.items()}
     return float(value)  # type: ignore[arg-type]
+
+
+def check_fabric(fabric: object, field: str) -> None:
+    """Raise InputError unless a fabric is a name, a Fabric of plausible numbers, or None."""
+    if isinstance(fabric, Fabric):
+        checked_fabric(fabric)
+    elif not isinstance(fabric, str | None):
+        raise InputError(
+            f"{field} must be the name of a fabric or a Fabric, got {shown(fabric)}", field=field
+        )
+
+
+def check_fabrics(fabrics: object) -> None:
+    """Raise InputError unless fabrics are Fabrics by their names."""
+    if not isinstance(fabrics, Mapping):
+        raise InputError(f"fabrics must be Fabrics by their names, got {shown(fabrics)}", field="fabrics")
+    for name, fabric in fabrics.items():
+        if not isinstance(fabric, Fabric):
+            raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
+        checked_fabric(fabric)

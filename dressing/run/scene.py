@@ -11,9 +11,11 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
-from toile.dressing.garment.fabrics import DEFAULT_FABRIC, checked_fabric
+from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
+    check_fabric,
+    check_fabrics,
     checked_text,
     given_garment,
     given_names,
@@ -195,7 +197,7 @@ class Garment:
     def __post_init__(self) -> None:
         """Accept convenient spellings. Raises InputError naming a field of a wrong type or value."""
         _set(self, source=given_garment(self.source))
-        _check_fabric(self.fabric, "fabric")
+        check_fabric(self.fabric, "fabric")
         for name in ("name", "units", "up", "size"):
             checked_text(getattr(self, name), name)
         _set(self, self_contact=truth(self.self_contact, "self_contact"), pins=given_pins(self.pins))
@@ -212,7 +214,7 @@ class Garment:
                 field="panel_fabrics",
             )
         for fabric in self.panel_fabrics.values():
-            _check_fabric(fabric, "panel_fabrics")
+            check_fabric(fabric, "panel_fabrics")
 
 
 GarmentLike = str | Path | GarmentMesh | Pattern | Mapping[str, Any]
@@ -305,8 +307,8 @@ class Scene:
             )
         if isinstance(self.measurements, str):
             _set(self, measurements=Path(self.measurements))
-        _check_fabric(self.fabric, "fabric")
-        _check_fabrics(self.fabrics)
+        check_fabric(self.fabric, "fabric")
+        check_fabrics(self.fabrics)
         checked_text(self.quality, "quality")
         quality_preset(self.quality)
         formats: str | Sequence[str] = self.formats
@@ -364,26 +366,6 @@ def _garments(given: object) -> tuple[Garment, ...]:
             "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt", field="garments"
         )
     return tuple(entry if isinstance(entry, Garment) else Garment(entry) for entry in given)
-
-
-def _check_fabric(fabric: object, field: str) -> None:
-    """Raise InputError unless a fabric is a name, a Fabric of plausible numbers, or None."""
-    if isinstance(fabric, Fabric):
-        checked_fabric(fabric)
-    elif not isinstance(fabric, str | None):
-        raise InputError(
-            f"{field} must be the name of a fabric or a Fabric, got {shown(fabric)}", field=field
-        )
-
-
-def _check_fabrics(fabrics: object) -> None:
-    """Raise InputError unless fabrics are Fabrics by their names."""
-    if not isinstance(fabrics, Mapping):
-        raise InputError(f"fabrics must be Fabrics by their names, got {shown(fabrics)}", field="fabrics")
-    for name, fabric in fabrics.items():
-        if not isinstance(fabric, Fabric):
-            raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
-        checked_fabric(fabric)
 
 
 def _friction_between(pairs: object) -> dict[tuple[str, str], float]:
