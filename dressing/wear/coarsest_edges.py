@@ -14,8 +14,8 @@ from toile.geometry.arrays import Float, Int
 from toile.geometry.normals import area_normals
 from toile.remesh.sizing.sizing import SizingOptions
 
-ACROSS = 3.0
-"""Edges at least across a garment whose area is a square."""
+ACROSS = 2.5
+"""Longest edges across a square of the area of a garment, at least."""
 PLANE = 0.05
 """Extent across its plane, over that along it, up to which a garment starts as a sheet."""
 
@@ -25,7 +25,7 @@ def fitting_sizing(
 ) -> SizingOptions | None:
     """Return the sizing with its longest edges cut down to what garments and body ask for, or None.
 
-    No edge is longer than a third of the side of a square of the smallest garment's area. Where a garment
+    No edge is longer than two fifths of the side of a square of the smallest garment's area. Where a garment
     starts as a sheet, no edge turns by more than `refine_angle` on a ball that has as much volume per surface
     as the body, closed, vertices (v, 3) [m] and faces (f, 3).
     """
