@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from toile.dressing.body.measure import measure
     from toile.dressing.body.measurements import Measurements
     from toile.dressing.garment.fabrics import fabric, fabrics
+    from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
     from toile.dressing.pattern.drafts import register_draft
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
     from toile.dressing.run.scene_file import load_scene
     from toile.engine.cloth.fabric import Fabric
+    from toile.engine.cloth.fields.keyed import Keyed
     from toile.engine.cloth.vertex_motion import VertexMotion
     from toile.geometry.errors import InputError
 
@@ -52,14 +54,20 @@ _HOME = {
     "DressedGarment": "toile.dressing.run.result",
     "Edge": "toile.dressing.pattern.pattern",
     "EdgePart": "toile.dressing.pattern.seam",
+    "Elastic": "toile.dressing.garment.fields.field",
     "Fabric": "toile.engine.cloth.fabric",
+    "Field": "toile.dressing.garment.fields.field",
+    "Filling": "toile.dressing.garment.fields.field",
     "Garment": "toile.dressing.run.scene",
     "GarmentMesh": "toile.dressing.garment.garment_mesh",
+    "Hold": "toile.dressing.garment.fields.field",
     "InputError": "toile.geometry.errors",
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
+    "Keyed": "toile.engine.cloth.fields.keyed",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
+    "Painted": "toile.dressing.garment.fields.field",
     "Panel": "toile.dressing.pattern.pattern",
     "Pattern": "toile.dressing.pattern.pattern",
     "ProgressState": "toile.dressing.run.progress",
@@ -67,6 +75,7 @@ _HOME = {
     "Scene": "toile.dressing.run.scene",
     "Seam": "toile.dressing.pattern.seam",
     "Stitch": "toile.dressing.pattern.pattern",
+    "Textured": "toile.dressing.garment.fields.field",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
     "body": "toile.dressing.body.in_memory.body_in_memory",
@@ -93,14 +102,20 @@ __all__ = [
     "DressedGarment",
     "Edge",
     "EdgePart",
+    "Elastic",
     "Fabric",
+    "Field",
+    "Filling",
     "Garment",
     "GarmentMesh",
+    "Hold",
     "InputError",
     "Job",
     "JobResult",
+    "Keyed",
     "MannequinSize",
     "Measurements",
+    "Painted",
     "Panel",
     "Pattern",
     "ProgressState",
@@ -108,6 +123,7 @@ __all__ = [
     "Scene",
     "Seam",
     "Stitch",
+    "Textured",
     "VertexMotion",
     "batch",
     "body",

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from toile.blender_addon.snapshot.carriers import Chosen
 from toile.dressing.files.corner_surface import split_from_second
 from toile.geometry.arrays import Float, Int
 
@@ -12,6 +13,7 @@ FIELDS = {
     "FLOAT": ("value", 1, np.float32), "INT": ("value", 1, np.int32), "BOOLEAN": ("value", 1, np.bool_),
     "FLOAT_VECTOR": ("vector", 3, np.float32), "FLOAT2": ("vector", 2, np.float32),
     "FLOAT_COLOR": ("color", 4, np.float32), "BYTE_COLOR": ("color", 4, np.float32),
+    "INT8": ("value", 1, np.int8), "QUATERNION": ("value", 4, np.float32),
 }  # fmt: skip
 """Types of attributes that are carried: field, width and number."""
 BUILT_IN = ("position", "velocity", "crease_vert", "crease_edge")
@@ -82,17 +84,37 @@ def add_group_weights(mesh: Any, first: int, count: int, weights: npt.NDArray[np
 def attributes(mesh: Any) -> dict[tuple[str, str, str], npt.NDArray[Any]]:
     """Return what a mesh carries, by (domain, type, name): a row per vertex, loop or polygon."""
     found = {}
-    for attribute in mesh.attributes:
+    for attribute in _own(mesh):
         name, kind = attribute.name, attribute.data_type
-        known = kind in FIELDS and attribute.domain in ("POINT", "FACE", "CORNER")
-        if not known or name.startswith(".") or name in BUILT_IN:
+        if kind not in FIELDS:
             continue
         field, width, number = FIELDS[kind]
         flat: npt.NDArray[Any] = np.empty(width * len(attribute.data), number)
         attribute.data.foreach_get(field, flat)
-        plain = "FLOAT_COLOR" if kind == "BYTE_COLOR" else kind
-        found[attribute.domain, plain, name] = flat.reshape(-1, width) if width > 1 else flat
+        found[attribute.domain, kind, name] = flat.reshape(-1, width) if width > 1 else flat
     return found
+
+
+def left_behind(mesh: Any) -> list[str]:
+    """Return the names of attributes of points, faces and corners whose type cannot be carried."""
+    return [attribute.name for attribute in _own(mesh) if attribute.data_type not in FIELDS]
+
+
+def chosen(mesh: Any) -> tuple[Chosen, Chosen]:
+    """Return which UV maps, and which colours, of a mesh are active and render."""
+    layers, colours = mesh.uv_layers, mesh.color_attributes
+    renders = next((layer.name for layer in layers if layer.active_render), "")
+    uv = Chosen("" if layers.active is None else layers.active.name, renders)
+    return uv, Chosen(colours.active_color_name, colours.default_color_name)
+
+
+def _own(mesh: Any) -> list[Any]:
+    """Return the attributes of points, faces and corners that belong to the user."""
+    return [
+        attribute for attribute in mesh.attributes
+        if attribute.domain in ("POINT", "FACE", "CORNER")
+        and not attribute.name.startswith(".") and attribute.name not in BUILT_IN
+    ]  # fmt: skip
 
 
 def corners(loop_vertex: Int, values: list[npt.NDArray[Any]]) -> tuple[Int, Int]:

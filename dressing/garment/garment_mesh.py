@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,35 @@ from toile.geometry.given_arrays import floats, indices
 if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
     from toile.dressing.garment.trims import Trims
+    from toile.engine.cloth.fields.edge_runs import EdgeRun
+    from toile.engine.cloth.fields.fields import Fields
+    from toile.engine.cloth.fields.gas import Gas
+    from toile.engine.cloth.fields.timed_pins import RunHold
     from toile.engine.cloth.origin import Origin
+
+
+class Border(NamedTuple):
+    """An edge of a panel, or a piece of one, on the mesh.
+
+    Attributes
+    ----------
+    panel, edge
+        Name of the panel and number of the edge in its pattern.
+    start, end
+        Where the piece starts and ends, as fractions of the edge's length.
+    label, role
+        Those of the edge.
+    vertices
+        Material vertices along it, shape (k + 1,).
+    """
+
+    panel: str
+    edge: int
+    start: float
+    end: float
+    label: str
+    role: EdgeRole | None
+    vertices: Int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +100,14 @@ class GarmentMesh:
         Fabric of panels that are of another than the garment, by their names.
     notes
         What was noticed in the file, one sentence each.
+    borders
+        Edges of a pattern's panels.
+    attributes
+        Numbers of the file at material vertices by their names, shape (m,) each.
+    fields
+        Values on regions of it, or None.
+    elastic, holds, gas
+        Elastic along runs, places where a film holds it, and gas in it, as its only garment.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -99,6 +135,12 @@ class GarmentMesh:
     thickness: float | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    borders: tuple[Border, ...] = ()
+    attributes: Mapping[str, Float] = field(default_factory=dict)
+    fields: "Fields | None" = None
+    elastic: "tuple[EdgeRun, ...]" = ()
+    holds: "tuple[RunHold, ...]" = ()
+    gas: "tuple[Gas, ...]" = ()
 
     def __post_init__(self) -> None:
         """Take arrays of any numeric type, checked."""

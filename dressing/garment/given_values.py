@@ -10,7 +10,7 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.pattern import Pattern
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
-from toile.geometry.given_numbers import is_real, is_whole, shown
+from toile.geometry.given_numbers import is_real, is_whole, real, shown
 
 
 def given_path(value: object, field: str) -> Path:
@@ -108,3 +108,19 @@ def check_fabrics(fabrics: object) -> None:
         if not isinstance(fabric, Fabric):
             raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
         checked_fabric(fabric)
+
+
+def given_friction(pairs: object) -> dict[tuple[str, str], float]:
+    """Return friction of pairs. Raises InputError naming what is none."""
+    if not isinstance(pairs, Mapping):
+        raise InputError(
+            f"friction_between must be numbers by pairs of names, got {shown(pairs)}",
+            field="friction_between",
+        )
+    found = {}
+    for pair, value in pairs.items():
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise InputError(f"friction_between: a pair is two names, got {pair!r}", field="friction_between")
+        what = f"friction_between {' and '.join(map(str, pair))}"
+        found[pair] = real(value, what, 0.0, 10.0, field="friction_between")
+    return found

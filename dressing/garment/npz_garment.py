@@ -22,6 +22,8 @@ from toile.geometry.errors import InputError
 
 HELD = "held_"
 """Begins the names of arrays of labelled vertices, such as held_lower_interface; labels are GarmentCode's."""
+FIELD = "field_"
+"""Begins the names of arrays of numbers per vertex, such as field_stiff, from which fields may be painted."""
 PIN_STIFFNESS = 1000.0
 """Stiffness per area of pins of weight 1 that give way [N/m^3], unless the file has another.
 
@@ -56,7 +58,8 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         number of every face in the program it comes from; `pins` (n,), weights from 0 to 1: vertices of
         weight 1 are held in place, others drawn to theirs by `pin_stiffness` [N/m^3] times their weight and
         their area; `stitches` (s, 2), pairs of vertices to be sewn together; `held_LABEL`, numbers of
-        vertices on an edge of that label; `motion` (k, n, 3) and `fps`, where pins go while the avatar moves.
+        vertices on an edge of that label; `field_NAME` (n,), numbers from which fields are painted; `motion`
+        (k, n, 3) and `fps`, where pins go while the avatar moves.
     name
         Name of the garment.
     edge_length
@@ -98,6 +101,11 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         held=labels,
         edges=_by_role(labels),
         motion=_motion(path, held, corner_vertex),
+        attributes={
+            key.removeprefix(FIELD): mesh.origin.at_vertices(held[key].astype(np.float64)[corner_vertex])
+            for key in held
+            if key.startswith(FIELD)
+        },
     )
     stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
     return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
@@ -128,10 +136,10 @@ def _read(path: Path) -> dict[str, Any]:
             f"{path}: `uv` and `uv_faces` belong together; give both or none", file=path, field="uv"
         )
     for name, array in held.items():
-        wanted = (None,) if name.startswith(HELD) else SHAPES.get(name)
+        wanted = (None,) if name.startswith((HELD, FIELD)) else SHAPES.get(name)
         if wanted is None:
             raise InputError(
-                f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)} and {HELD}LABEL",
+                f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)}, {HELD}LABEL and {FIELD}NAME",
                 file=path,
                 field=name,
             )
@@ -147,6 +155,13 @@ def _read(path: Path) -> dict[str, Any]:
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise InputError(
                 f"{path}: `{name}` has NaN or infinite values; export the garment again",
+                file=path,
+                field=name,
+            )
+    for name, array in held.items():
+        if name.startswith(FIELD) and len(array) != len(held["vertices"]):
+            raise InputError(
+                f"{path}: `{name}` has {len(array)} rows, but `vertices` has {len(held['vertices'])}",
                 file=path,
                 field=name,
             )

@@ -62,7 +62,8 @@ class Edge:
     """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices).
 
     `label` is the file's name for it, under which it can be pinned; `role` says what it lies on, None if that
-    is nothing in particular. `notches` are marks that seams match, as fractions of its length.
+    is nothing in particular. `notches` are marks that seams match, as fractions of its length. `piece` says
+    what it was before it was cut: number of the edge, and where it starts and ends, as fractions of that.
     """
 
     start: int
@@ -71,6 +72,7 @@ class Edge:
     label: str = ""
     role: EdgeRole | None = None
     notches: tuple[float, ...] = ()
+    piece: tuple[int, float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

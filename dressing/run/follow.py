@@ -24,6 +24,7 @@ from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.begin_holds import at_start
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
     PUSHED_NEWTON,
@@ -129,8 +130,8 @@ def follow(
 
     body = (hung.body.vertices, hung.body.faces)
     film = Simulation(
-        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, clock,
-        hung.drape.pin_motion,
+        at_start(hung.drape.cloth, motion), body, _plan(scene, hung, motion.fps), on_film_frame, motion,
+        clock, hung.drape.pin_motion,
     )  # fmt: skip
     done = 0
     if state is not None:

@@ -29,6 +29,8 @@ from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 
+STILL_FPS = 24.0
+"""Frames per second where there is no film."""
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
 SAME_OVERLAP = 0.85
@@ -100,19 +102,20 @@ def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentM
 
 def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> GarmentMesh:
     """Return the mesh of a checked source."""
-    source = garment.source
+    from toile.dressing.garment.fields.mesh_parts import mesh_with_parts, parts_on_mesh
+
+    source, parts, fps = garment.source, garment.parts, _fps(form)
     if isinstance(source, GarmentMesh):
         _check_pattern_coordinates(source)
-        return moved_in(source, form.place)
+        return parts_on_mesh(moved_in(source, form.place), parts, fps)
     if isinstance(source, Path) and source.suffix.lower() in MESH_FORMATS:
         from toile.dressing.garment.mesh_garment import read_mesh_garment
 
-        return read_mesh_garment(
+        read = read_mesh_garment(
             source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
             edge_length=edges.length, walls=garment.walls,
         )  # fmt: skip
-    from toile.dressing.garment.pattern_mesh import mesh_pattern
-
+        return parts_on_mesh(read, parts, fps)
     is_drawn = (
         isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS and not is_registered(source)
     )
@@ -126,12 +129,12 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
         _check_pattern_coordinates(found)
-        return moved_in(found, form.place)
+        return parts_on_mesh(moved_in(found, form.place), parts, fps)
     if isinstance(garment.seams, tuple) and not is_drawn:
         found = with_seams(found, garment.seams)
     if isinstance(source, Path | Pattern) and not is_drawn:
         if not (form.place.is_own or form.place.turn):
-            mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+            mesh = mesh_with_parts(found, parts, edges, fps)
             if _lies_in_the_room(mesh, form):
                 check_twists(found)
                 return replace(moved_in(mesh, form.place), notes=found.notes)
@@ -140,8 +143,14 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         if not form.place.is_own:
             note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
             found = replace(found, notes=(*found.notes, note))
-    mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+    mesh = mesh_with_parts(found, parts, edges, fps)
     return replace(mesh, notes=found.notes)
+
+
+def _fps(form: DressForm) -> float:
+    """Frames per second of the film."""
+    motion = form.avatar.motion
+    return STILL_FPS if motion is None else motion.fps
 
 
 def _lies_in_the_room(mesh: GarmentMesh, form: DressForm) -> bool:

@@ -9,6 +9,7 @@ from toile.dressing.body.given_measurements import NAMES, Given
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
+from toile.dressing.garment.fields.field import Parts
 from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
 from toile.dressing.run.garment_source import GarmentSource, checked_source, default_name
 from toile.dressing.run.quality import Quality, quality_preset
@@ -41,6 +42,8 @@ class ResolvedGarment:
         A seams file, seams as texts, or None.
     panel_fabrics
         Fabric of panels that are of another, checked, by their names.
+    parts
+        Fields, elastic, holds and gas.
     """
 
     name: str
@@ -56,6 +59,7 @@ class ResolvedGarment:
     allowance: float | None = None
     seams: Path | tuple[str, ...] | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    parts: Parts = field(default_factory=Parts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +134,7 @@ def resolve(scene: Scene) -> ResolvedScene:
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
                 size=garment.size, allowance=garment.allowance, seams=_seams(garment),
-                panel_fabrics=panels,
+                panel_fabrics=panels, parts=garment.parts,
             )
             for garment, name, source, fabric, panels in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, panel_cloth, strict=True

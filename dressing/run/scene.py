@@ -12,11 +12,13 @@ from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
+from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
     check_fabric,
     check_fabrics,
     checked_text,
+    given_friction,
     given_garment,
     given_names,
     given_path,
@@ -166,6 +168,14 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
+    fields
+        Values on parts of it that differ from its fabric's: Field.
+    elastic
+        Elastic along edges: Elastic.
+    holds
+        Where a film holds it, and when: Hold.
+    gas
+        Gas in it, if it is closed: Filling.
     """
 
     source: str | Path | GarmentMesh | Pattern
@@ -182,6 +192,17 @@ class Garment:
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
     panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
+    fields: Sequence[Field] = ()
+    elastic: Sequence[Elastic] = ()
+    holds: Sequence[Hold] = ()
+    gas: Filling | None = None
+
+    @property
+    def parts(self) -> Parts:
+        """All that it says of its parts."""
+        return Parts(
+            fields=tuple(self.fields), elastic=tuple(self.elastic), holds=tuple(self.holds), gas=self.gas
+        )
 
     if TYPE_CHECKING:
 
@@ -191,7 +212,8 @@ class Garment:
             warp_angle: SupportsFloat | Mapping[str, SupportsFloat] = 0.0, units: str | None = None,
             up: str | None = None, walls: SupportsIndex = 1, size: str | None = None,
             allowance: SupportsFloat | None = None, seams: str | Path | Sequence[str] | None = None,
-            panel_fabrics: Mapping[str, str | Fabric] = ...,
+            panel_fabrics: Mapping[str, str | Fabric] = ..., fields: Sequence[Field] = (),
+            elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -332,7 +354,7 @@ class Scene:
             raise InputError(
                 f"air must be an Air, such as Air(velocity=(0, 0, 5)), got {shown(self.air)}", field="air"
             )
-        _set(self, friction_between=_friction_between(self.friction_between))
+        _set(self, friction_between=given_friction(self.friction_between))
 
     def fabric_of(self, garment: Garment) -> str | Fabric:
         """Return what a garment is made of: a fabric, or the name of one that may not exist."""
@@ -366,19 +388,3 @@ def _garments(given: object) -> tuple[Garment, ...]:
             "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt", field="garments"
         )
     return tuple(entry if isinstance(entry, Garment) else Garment(entry) for entry in given)
-
-
-def _friction_between(pairs: object) -> dict[tuple[str, str], float]:
-    """Return friction of pairs. Raises InputError naming what is none."""
-    if not isinstance(pairs, Mapping):
-        raise InputError(
-            f"friction_between must be numbers by pairs of names, got {shown(pairs)}",
-            field="friction_between",
-        )
-    found = {}
-    for pair, value in pairs.items():
-        if not isinstance(pair, tuple) or len(pair) != 2:
-            raise InputError(f"friction_between: a pair is two names, got {pair!r}", field="friction_between")
-        what = f"friction_between {' and '.join(map(str, pair))}"
-        found[pair] = real(value, what, 0.0, 10.0, field="friction_between")
-    return found

@@ -30,7 +30,8 @@ from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine
-from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.garment.fabrics import checked_fabric, fabrics
+from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -116,11 +117,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
         "size": (str, "size of a DXF pattern that holds several"),
         "allowance": (NUMBER, "seam allowance [m] of a DXF pattern without a sew line; 0: none is drawn"),
-        "seams": (
-            (str, list),
-            'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
-        ),
+        "seams": ((str, list), 'seams file of a drawn pattern, or ["front.3 + back.2 = sleeve.1", ...]'),
+        **GARMENT_KEYS,
     },
+    **PART_KEYS,
     "fabric": {
         "like": (str, "preset that supplies every value not set here"),
         **{
@@ -161,7 +161,7 @@ def scene_keys_help() -> str:
     """Return the table of all keys as text."""
     lines: list[str] = []
     for table, keys in SCENE_KEYS.items():
-        heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
+        heading = {"": "top level", "fabric": "[fabric.NAME]", **PART_HEADINGS}
         lines.append(heading.get(table, f"[{table}]"))
         lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
@@ -341,6 +341,8 @@ class _SceneReader:
         for value in angle.values() if isinstance(angle, dict) else [angle]:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
+        with self._placed(*map(str, place)):
+            parts = read_parts(values, self.path.parent)
         source: str = values["source"]
         seams: str | list[str] | None = values.get("seams")
         is_file = bool(re.search(r"[./\\]", source))
@@ -358,6 +360,7 @@ class _SceneReader:
             allowance=values.get("allowance"),
             panel_fabrics=values.get("panel_fabrics", {}),
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
+            **vars(parts),
         )
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
@@ -383,13 +386,9 @@ class _SceneReader:
         if missing:
             raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
         try:
-            fabric = Fabric(**{**base, **given, "name": name})
+            return checked_fabric(Fabric(**{**base, **given, "name": name}))
         except InputError as error:
             raise self._at((*place, str(error.field).removeprefix("fabric.")), error) from None
-        invalid = invalid_field(fabric)
-        if invalid is not None:
-            raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
-        return checked_fabric(fabric)
 
 
 def _name_of(values: Mapping[str, Any]) -> str | None:

@@ -1,5 +1,6 @@
 """Assembly of a scene's garment meshes into one Cloth."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,12 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.roles import HANGS_FROM, SITS_ON
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fields.fields import Fields, Value
+from toile.engine.cloth.fields.paintings import VertexPainting
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
-from toile.geometry.arrays import Bool, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 
 
@@ -61,7 +64,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         [mesh.origin for mesh, _ in garments],
         [(len(mesh.positions), len(mesh.faces)) for mesh, _ in garments],
     )
-    return Cloth(
+    cloth = Cloth(
         positions=positions,
         velocities=np.zeros_like(positions),
         node=np.arange(count, dtype=np.int32),
@@ -87,7 +90,34 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         origin=origin,
         goals=goals,
         handles=_handles(origin, led, [mesh for mesh, _ in garments]),
+        elastic=tuple(
+            replace(run, garment=k) for k, (mesh, _) in enumerate(garments) for run in mesh.elastic
+        ),
+        holds=tuple(replace(hold, garment=k) for k, (mesh, _) in enumerate(garments) for hold in mesh.holds),
+        gas=tuple(replace(gas, garment=k) for k, (mesh, _) in enumerate(garments) for gas in mesh.gas),
     )
+    return _with_fields(cloth, [mesh for mesh, _ in garments], offsets)
+
+
+def _with_fields(cloth: Cloth, meshes: list[GarmentMesh], offsets: Int) -> Cloth:
+    """Return a cloth with the fields of its garments, whose first material vertices are `offsets`."""
+    parts = [mesh.fields for mesh in meshes]
+    fields = Fields.together(parts, [len(mesh.faces) for mesh in meshes])
+    if fields is None:
+        return cloth
+    rest = cloth.rest_space
+    owner = np.repeat(np.arange(len(parts)), [1 if part is None else len(part.values) for part in parts])
+    placed = tuple(
+        {name: _placed(value, rest[offsets[index] : offsets[index + 1]]) for name, value in values.items()}
+        for index, values in zip(owner.tolist(), fields.values, strict=True)
+    )
+    fields = replace(fields, values=placed)
+    return replace(cloth, fields=fields.on(fields.region, rest[cloth.faces]))
+
+
+def _placed(value: Value, rest: Float) -> Value:
+    """Return a value of a field on a garment whose vertices lie at `rest` in rest space [m], shape (m, 3)."""
+    return replace(value, points=rest) if isinstance(value, VertexPainting) else value
 
 
 def _fabric_of_faces(mesh: GarmentMesh, fabric: Fabric, fabrics: tuple[Fabric, ...]) -> Int:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.sewn_pins import is_sewn_up
 from toile.geometry.arrays import Float, Int
 from toile.geometry.normals import area_normals
 from toile.remesh.sizing.sizing import SizingOptions
@@ -35,12 +36,6 @@ def fitting_sizing(
     if any(starts_as_sheet(mesh) for mesh in garments):
         longest = min(longest, sizing.refine_angle * _mean_radius(vertices, faces))
     return replace(sizing, size_max=max(float(longest), sizing.size_min))
-
-
-def is_sewn_up(mesh: GarmentMesh) -> bool:
-    """Whether a garment has seams that are open at the start."""
-    ends = mesh.positions[mesh.stitches.reshape(-1, 2)]
-    return bool((np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) > 1e-9).any())
 
 
 def starts_as_sheet(mesh: GarmentMesh) -> bool:

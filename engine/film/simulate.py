@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -194,7 +195,11 @@ class Simulation(ClothRun):
         from toile.engine.adapt.remeshing import remesh_run
 
         now = self.clock.now()
-        request = StepRequest(h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance)
+        seconds = self._frame_time()
+        self.cloth = replace(self.cloth, now=seconds)
+        request = StepRequest(
+            h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance, seconds=seconds
+        )
         done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
         if done is not None:
             record.remeshings.append(done)

@@ -18,7 +18,7 @@ def found(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[st
         ("unsaved", "save the .blend file first"),
         ("no avatar", "mark the body as avatar"),
         ("no garment", "mark one in its Physics properties"),
-        ("degenerate", "My_Shawl: 5 faces (1, 8, 9, 10, 17) have no area; delete or merge them"),
+        ("degenerate", "'My Shawl': 5 faces (1, 8, 9, 10, 17) have no area; delete or merge them"),
         ("inside", "pairs of triangles still cross"),
     ],
 )

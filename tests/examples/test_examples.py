@@ -149,6 +149,22 @@ def own_draft(result: toile.Result, _: Path) -> None:
     assert skirt.positions[:, 1].min() == pytest.approx(0.29 * 1.68, abs=0.03)
 
 
+def gathered_skirt(result: toile.Result, _: Path) -> None:
+    hangs(result)
+    (skirt,) = result.garments
+    example = import_module("examples.gathered_skirt")
+    top = skirt.uv[:, 1] > skirt.uv[:, 1].max() - 1e-9
+    waist = skirt.positions[np.unique(skirt.faces[top[skirt.uv_faces]])]
+    # It stays up, gathered to the waist, and its elastic pulls as its strain around the waist has it.
+    assert waist[:, 1] == pytest.approx(skirt.uv[:, 1].max(), abs=0.03)
+    around = ConvexHull(waist[:, [0, 2]]).area
+    cut = 2.0 * np.ptp(skirt.uv[top, 0])
+    assert around < 0.6 * cut
+    theory = example.FIRM * (around / (example.TIGHT / example.FULL * cut) - 1.0)
+    assert theory > 4.0
+    assert example.tension(skirt) == pytest.approx(theory, rel=0.02)
+
+
 def own_garment_reader(result: toile.Result, _: Path) -> None:
     hangs(result)
     # The neck, and one long border.
@@ -186,7 +202,7 @@ def blender_scene(mesh: tuple[Any, Any], folder: Path) -> None:
 CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
-        batch, blender_scene, compare_fabrics, dress_mannequin, layers, made_to_measure, moving_body,
+        batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure, moving_body,
         own_draft, own_fabric, own_force, own_garment_reader, own_pattern, results_in_numpy, scene_file,
         sheet_on_sphere,
     )

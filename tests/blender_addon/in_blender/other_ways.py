@@ -12,7 +12,6 @@ import small_scene as small
 import toile.blender_addon
 from toile.blender_addon.dressing import dress_steps
 from toile.blender_addon.run import Current, Run
-from toile.blender_addon.snapshot.scene_folder import write_scene
 
 folder = Path(sys.argv[1])
 found: dict[str, object] = {}
@@ -66,13 +65,13 @@ garment.toile.keep_topology = False
 bpy.context.scene.toile.frame_end = 60
 Current.run = Run(dress_steps(bpy.context))
 ticks, texts, more = [], [], True
-cache = folder / "toile_scene" / "My_Shawl"
+cache = folder / "toile_scene" / "My_Shawl" / "2"
 while more:
     started = time.perf_counter()
     more = Current.run.tick()
     ticks.append(time.perf_counter() - started)
     texts.append(Current.run.text)
-    if len(list(cache.glob("*.usdc"))) >= 3 and not (cache / "My_Shawl.pc2").exists():
+    if len(list(cache.glob("*.usdc"))) >= 3:
         Current.run.cancelled = True
     time.sleep(0.02)
 Current.run = None
@@ -116,8 +115,7 @@ found["inside shown"] = [modifier.type for modifier in inside.modifiers]
 bpy.context.scene.unit_settings.scale_length = 0.01
 centimetres = folder / "centimetres"
 centimetres.mkdir()
-for _ in write_scene(bpy.context, centimetres):
-    pass
+small.write_scene(centimetres)
 in_metres = np.load(centimetres / "Flag.npz")["vertices"]
 found["centimetres"] = [in_metres.min(axis=0).tolist(), in_metres.max(axis=0).tolist()]
 toile.blender_addon.unregister()
