@@ -8,6 +8,7 @@ from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
 from toile.dressing.run.listener import Listener, Say
 from toile.dressing.run.output.one_run import one_run
+from toile.dressing.run.output.result_view import save_view
 from toile.dressing.run.progress import Progress
 from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
@@ -37,8 +38,8 @@ def dress(
     scene
         What to drape.
     output
-        Folder for dressed.glb, preview.png, report.json and a PLY, an OBJ and the scene's `formats` per
-        garment; None writes nothing.
+        Folder for dressed.glb, preview.png, view.html, report.json and a PLY, an OBJ and the scene's
+        `formats` per garment; None writes nothing.
     progress
         Called after every frame; returning False cancels, and what is draped so far is the result. So does a
         first Ctrl-C, or the stop of a notebook; a second one raises KeyboardInterrupt.
@@ -117,6 +118,7 @@ def _to_the_end(
     if checkpoint is not None:
         save_shapes(checkpoint.output, result.avatar, result.garments, scene.formats)
         save_report(checkpoint.output, result.report)
+        save_view(checkpoint.output, result)
         if result.status != "cancelled":
             checkpoint.end()
     return result

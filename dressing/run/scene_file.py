@@ -29,12 +29,11 @@ from typing import Any
 from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
-from toile.dressing.files.toml_lines import LineNumbers, OneLine
+from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
 from toile.dressing.garment.fabric_keys import FABRIC_KEYS
-from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.pattern.fold_table import folds_of
-from toile.dressing.pattern.pattern import Fold
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -87,7 +86,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "lead_in": (
             (int, float, str),
-            "motion from the rest pose into the clip [s], or off (default: if needed)",
+            "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
@@ -243,12 +242,12 @@ class _SceneReader:
             return Air(**values)
 
     @contextmanager
-    def _placed(self, *table: str) -> Iterator[None]:
+    def _placed(self, *table: str | int) -> Iterator[None]:
         """Put file and line of the key at fault, in a table, in front of errors raised inside."""
         try:
             yield
         except InputError as error:
-            raise self._at((*table, *([error.field] if error.field else [])), error) from None
+            raise self._at((*table, *key_path(error.field)), error) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
         """Return the error about a key, with file and line in front."""
@@ -338,10 +337,12 @@ class _SceneReader:
         for value in angle.values() if isinstance(angle, dict) else [angle]:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
-        with self._placed(*map(str, place)):
+        with self._placed(*place):
             parts = read_parts(values, self.path.parent)
         source: str = values["source"]
         seams: str | list[str] | None = values.get("seams")
+        with self._placed(*place):
+            folds = folds_of(values.get("folds", {}))
         is_file = bool(re.search(r"[./\\]", source))
         return Garment(
             self._resolve(source) if is_file else source,
@@ -356,17 +357,10 @@ class _SceneReader:
             size=values.get("size"),
             allowance=values.get("allowance"),
             panel_fabrics=values.get("panel_fabrics", {}),
-            folds=self._folds(values.get("folds", {}), place),
+            folds=folds,
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
             **vars(parts),
         )
-
-    def _folds(self, values: dict[str, Any], place: tuple[str | int, ...]) -> dict[str, tuple[Fold, ...]]:
-        """Return the folds of a garment by panel."""
-        try:
-            return folds_of(values)
-        except InputError as error:
-            raise self._at((*place, "folds"), error) from None
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
         """Raise InputError with the nearest name if the fabric is neither the file's nor a preset."""
@@ -391,13 +385,9 @@ class _SceneReader:
         if missing:
             raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
         try:
-            fabric = Fabric(**{**base, **given, "name": name})
+            return checked_fabric(Fabric(**{**base, **given, "name": name}))
         except InputError as error:
             raise self._at((*place, str(error.field).removeprefix("fabric.")), error) from None
-        invalid = invalid_field(fabric)
-        if invalid is not None:
-            raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
-        return checked_fabric(fabric)
 
 
 def _name_of(values: Mapping[str, Any]) -> str | None:

@@ -64,8 +64,8 @@ def _membrane(cloth: Cloth) -> Membrane:
         curved = next((fabric for fabric in cloth.fabrics if has_law(fabric)), None)
         if curved is not None:
             raise InputError(
-                f"fabric '{curved.name}' has a stretch curve, a strain limit or poisson, and stretch is keyed over "
-                "the film; leave out one of them",
+                f"fabric '{curved.name}' has a stretch curve, a strain limit or poisson, and stretch is "
+                "keyed over the film; leave out one of them",
                 field="field",
             )
         return KeyedMembrane(cloth)

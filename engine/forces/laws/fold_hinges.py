@@ -8,8 +8,8 @@ as if it were a border (`Folds.cut`), so the hinge alone turns there.
 
 With n_1, n_2 the normals, h_1, h_2 the heights of the faces above the edge and s_1, s_2 where these stand on
 it, d theta/dx is n_1/h_1 and n_2/h_2 at the far corners, and minus the shares 1 - s and s of both at the
-ends. The Hessian is k l of its square (Gauss-Newton). Sources: Bridson, Marino and Fedkiw 2003; Grinspun et al.
-2003.
+ends. The Hessian is k l of its square (Gauss-Newton). Sources: Bridson, Marino and Fedkiw 2003; Grinspun,
+Hirani, Desbrun and Schroeder 2003.
 """
 
 import numpy as np

@@ -7,9 +7,9 @@ With e_u = |f_u| - 1 and e_v alike, taut cloth has the energy per rest area
 F_u and F_v are such that cloth pulled along one thread and free along the other has the tension of its curve,
 T: F'(e) = T(e) + nu^2 / (1 - nu^2) T'(0) e and c = nu / (1 - nu^2) sqrt(T_u'(0) T_v'(0)), with nu the
 geometric mean of both Poisson's ratios. The share (1 - compression) of the energy is relaxed (Pipkin 1986):
-where psi would press along a thread, that thread gathers until nothing presses, and the cloth is pulled along the other
-alone or slack. Both parts have continuous first derivatives, and are convex where the slopes of the curves
-never fall below nu/(1 + nu) times the first.
+where psi would press along a thread, that thread gathers until nothing presses, and the cloth is pulled along
+the other alone or slack. Both parts have continuous first derivatives, and are convex where the slopes of the
+curves never fall below nu/(1 + nu) times the first.
 """
 
 from math import sqrt
