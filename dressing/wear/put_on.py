@@ -132,7 +132,7 @@ class _Reel:
         state = FrameState(
             frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
             residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
-            max_frames=self._max_frames, doing=_doing(frame),
+            max_frames=self._max_frames, doing=_doing(frame), phase=frame.phase,
         )  # fmt: skip
         self._frames += 1
         return self._on_frame(state)
