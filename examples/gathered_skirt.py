@@ -20,13 +20,13 @@ def gathered_skirt(body: toile.Measurements) -> toile.Pattern:
     """Return two rectangles from the waist to the knee, sewn along their sides."""
     wide, hem, top = 0.25 * FULL * body.waist, 0.29 * body.height, body.waist_height
     corners = ((-wide, hem), (wide, hem), (wide, top), (-wide, top))
-    back, front = body.torso_depth
+    back, front = (z + gap for z, gap in zip(body.torso_depth, (-0.05, 0.05), strict=True))
     panels = tuple(
         toile.Panel(
             name=name, vertices=points, translation=(0.0, 0.0, z), label="leg",
             edges=tuple(toile.Edge(i, (i + 1) % 4, role="waist" if i == up else None) for i in range(4)),
         )
-        for name, points, z, up in (("front", corners, front + 0.05, 2), ("back", corners[::-1], back - 0.05, 0))
+        for name, points, z, up in (("front", corners, front, 2), ("back", corners[::-1], back, 0))
     )  # fmt: skip
     seams = (toile.Stitch("front", 1, "back", 1), toile.Stitch("front", 3, "back", 3))
     return toile.Pattern(name="gathered_skirt", panels=panels, stitches=seams)

@@ -59,8 +59,9 @@ class AvatarFile:
     clip
         Name of the animation of a glTF file; None takes the first.
     lead_in
-        Length of a motion [s] that leads from the rest pose of its skeleton, in which garments are sewn, into
-        a glTF clip; "off" makes none; None makes one of 1 s where sleeves could not be sewn without.
+        Length of a motion [s] that leads from the rest pose of its skeleton, or from open arms, in which
+        garments are sewn, into its clip; "off" makes none; None makes one of 1 s where sleeves could not be
+        sewn without, and opens and closes the arms of a body that stands.
     """
 
     path: Path

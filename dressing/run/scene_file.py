@@ -29,7 +29,7 @@ from typing import Any
 from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
-from toile.dressing.files.toml_lines import LineNumbers, OneLine
+from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.run.air import Air
@@ -84,7 +84,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "lead_in": (
             (int, float, str),
-            "motion from the rest pose into the clip [s], or off (default: if needed)",
+            "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
@@ -246,12 +246,12 @@ class _SceneReader:
             return Air(**values)
 
     @contextmanager
-    def _placed(self, *table: str) -> Iterator[None]:
+    def _placed(self, *table: str | int) -> Iterator[None]:
         """Put file and line of the key at fault, in a table, in front of errors raised inside."""
         try:
             yield
         except InputError as error:
-            raise self._at((*table, *([error.field] if error.field else [])), error) from None
+            raise self._at((*table, *key_path(error.field)), error) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
         """Return the error about a key, with file and line in front."""
@@ -341,7 +341,7 @@ class _SceneReader:
         for value in angle.values() if isinstance(angle, dict) else [angle]:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
-        with self._placed(*map(str, place)):
+        with self._placed(*place):
             parts = read_parts(values, self.path.parent)
         source: str = values["source"]
         seams: str | list[str] | None = values.get("seams")

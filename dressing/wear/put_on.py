@@ -115,6 +115,22 @@ def drape(
     )  # fmt: skip
 
 
+def settle_worn(
+    form: DressForm,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    options: DrapeOptions,
+    cloth: Cloth,
+    on_frame: Callable[[FrameState], bool],
+) -> DrapeOutcome:
+    """Let cloth that is worn on a still body find equilibrium there."""
+    watch = Watch(form.avatar.vertices, [mesh for mesh, _ in garments], form.place)
+    run = Drape(
+        cloth, (form.avatar.vertices, form.avatar.faces), [], _plan(options, _all_fabrics(garments)),
+        _Reel(on_frame, options.max_frames).showing(watch),
+    )  # fmt: skip
+    return _outcome(run, garments, _broken_down(run, run.hang, watch), (), watch, form.place)
+
+
 class _Reel:
     """Frames of all drapes of a scene, numbered through."""
 

@@ -204,10 +204,11 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     kept = np.zeros(len(x), bool)
     kept[cloth.stitches.ravel()] = True
     frozen = _edges_between(cloth.face_nodes, kept)
-    for run in (*cloth.elastic, *cloth.holds):
-        if run.lines is not None:
-            own = cloth.faces[(cloth.garment == run.garment) & (cloth.panel == run.panel)]
-            kept[cloth.node[end_vertices(run.lines, np.unique(own), rest)]] = True
+    runs = [(run.garment, run.panel, run.lines) for run in cloth.elastic]
+    runs += [(hold.garment, hold.panel, hold.lines) for hold in cloth.holds if hold.lines is not None]
+    for garment, panel, lines in runs:
+        own = cloth.faces[(cloth.garment == garment) & (cloth.panel == panel)]
+        kept[cloth.node[end_vertices(lines, np.unique(own), rest)]] = True
     return ClothMesh(
         rest=rest,
         node=cloth.node,

@@ -129,7 +129,7 @@ def results_in_numpy(result: toile.Result, folder: Path) -> None:
 def dress_mannequin(result: toile.Result, folder: Path) -> None:
     hangs(result)
     written = {path.name for path in folder.iterdir()}
-    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj"} <= written
+    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj", "view.html"} <= written
     (shirt,) = result.garments
     height = float(np.ptp(result.avatar.vertices[:, 1]))
     assert 0.6 * height < shirt.positions[:, 1].mean() < 0.8 * height
@@ -202,9 +202,9 @@ def blender_scene(mesh: tuple[Any, Any], folder: Path) -> None:
 CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
-        batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure, moving_body,
-        own_draft, own_fabric, own_force, own_garment_reader, own_pattern, results_in_numpy, scene_file,
-        sheet_on_sphere,
+        batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure,
+        moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, results_in_numpy,
+        scene_file, sheet_on_sphere,
     )
 }  # fmt: skip
 """Example to what is asserted of what its `main` returns and of the folder that it has written."""

@@ -95,6 +95,10 @@ class Field:
             raise InputError(f"field: sets nothing; set one of {', '.join(QUANTITIES)}", field="field")
         for name, value in self.values.items():
             _check_value(name, value)
+        numbers = {
+            name: float(value) if isinstance(value, int) else value for name, value in self.values.items()
+        }
+        object.__setattr__(self, "values", numbers)
         if (self.run is None) != (self.width is None):
             raise InputError(
                 "field: run and width belong together: a band of that width beside it", field="width"

@@ -1,9 +1,10 @@
 """Fields, elastic, holds and gas of a garment from the tables of a scene file."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fields.field import (
@@ -21,6 +22,7 @@ from toile.dressing.garment.fields.field import (
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.errors import InputError
 
+Part = TypeVar("Part", Field, Elastic, Hold)
 NUMBER = (int, float)
 VALUE = (int, float, dict)
 PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
@@ -74,15 +76,32 @@ def read_parts(values: Mapping[str, Any], folder: Path) -> Parts:
     Raises InputError naming the key.
     """
     gas = values.get("gas")
-    return Parts(
-        fields=tuple(_field(table, folder) for table in _tables(values, "field")),
-        elastic=tuple(
-            Elastic(**_checked(table, "garment.elastic", ("run", "rest", "stiffness"), folder))
-            for table in _tables(values, "elastic")
-        ),
-        holds=tuple(_hold(table, folder) for table in _tables(values, "hold")),
-        gas=None if gas is None else Filling(**_checked(gas, "garment.gas", (), folder)),
+    parts = Parts(
+        fields=tuple(_each(values, "field", lambda table: _field(table, folder))),
+        elastic=tuple(_each(values, "elastic", lambda table: _elastic(table, folder))),
+        holds=tuple(_each(values, "hold", lambda table: _hold(table, folder))),
     )
+    if gas is None:
+        return parts
+    with _within("gas"):
+        return replace(parts, gas=Filling(**_checked(gas, "garment.gas", (), folder)))
+
+
+def _each(values: Mapping[str, Any], name: str, read: Callable[[Any], Part]) -> Iterator[Part]:
+    """Yield what is read from each table of a list."""
+    for index, table in enumerate(_tables(values, name)):
+        with _within(name, index):
+            yield read(table)
+
+
+@contextmanager
+def _within(*place: str | int) -> Iterator[None]:
+    """Let errors raised inside name their key by its whole path."""
+    try:
+        yield
+    except InputError as error:
+        path = (*place, *([error.field] if error.field else []))
+        raise InputError(str(error), file=error.file, field=".".join(map(str, path))) from None
 
 
 def _tables(values: Mapping[str, Any], name: str) -> list[Any]:
@@ -119,6 +138,10 @@ def _field(table: Any, folder: Path) -> Field:
             tuple(corner) if isinstance(corner, list) else (corner,) for corner in found.get("polygon", [])
         ),
     )  # fmt: skip
+
+
+def _elastic(table: Any, folder: Path) -> Elastic:
+    return Elastic(**_checked(table, "garment.elastic", ("run", "rest", "stiffness"), folder))
 
 
 def _hold(table: Any, folder: Path) -> Hold:

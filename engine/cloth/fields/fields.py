@@ -55,7 +55,7 @@ class Fields:
             if result is base:
                 result = base.copy()
             value, own = values[name], self.region == number
-            if isinstance(value, float | Keyed):
+            if isinstance(value, int | float | Keyed):
                 result[own] = value_at(value, seconds)
             else:
                 result[own] = self.sampled[name][own]
@@ -71,7 +71,7 @@ class Fields:
             self,
             values=tuple(
                 {
-                    name: later(value, seconds) if isinstance(value, float | Keyed) else value
+                    name: later(value, seconds) if isinstance(value, int | float | Keyed) else value
                     for name, value in values.items()
                 }
                 for values in self.values
@@ -95,7 +95,7 @@ class Fields:
     def _paintings(self) -> Iterator[tuple[int, str, Painting]]:
         for number, values in enumerate(self.values):
             for name, value in values.items():
-                if not isinstance(value, float | Keyed):
+                if not isinstance(value, int | float | Keyed):
                     yield number, name, value
 
     @staticmethod

@@ -11,7 +11,7 @@ from toile.dressing.garment.fields.cut_mesh import cut_along
 from toile.engine.adapt.remeshing import remeshed
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fields.edge_runs import EdgeRun
-from toile.engine.cloth.fields.fields import Fields
+from toile.engine.cloth.fields.fields import Fields, Value
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.engine.cloth.fields.paintings import ImagePainting, VertexPainting
 from toile.engine.forces.added.edge_elastic import EdgeElastic
@@ -38,7 +38,7 @@ def beyond(points: Float) -> Float:
 def half_elastic() -> Cloth:
     """A panel, one half of which is narrower at rest, with elastic along a part of its lower edge."""
     points, faces = mesh("random", 0.4, 0.3, 0.05)
-    border = (np.abs(points - [0.2, 0.15]) > np.array([0.2, 0.15]) - 1e-9).any(axis=1)
+    border = np.asarray((np.abs(points - [0.2, 0.15]) > np.array([0.2, 0.15]) - 1e-9).any(axis=1))
     points, faces = cut_along(points, faces, border, beyond)
     cloth = cloth_at(points, faces, np.pad(points, ((0, 0), (0, 1))))
     right = (beyond(points[faces].mean(axis=1)) > 0.0).astype(np.int32)
@@ -97,7 +97,10 @@ def test_what_a_field_sets_takes_the_place_of_what_the_fabric_has(half_elastic: 
 def test_thickness_and_friction_of_regions() -> None:
     cloth = sheet(replace(SLACK, friction_body=0.35, friction_self=0.3))
     right = (cloth.uv[cloth.faces].mean(axis=1)[:, 0] > 0.5).astype(np.int32)
-    values = ({}, {"thickness": 2e-3, "friction_body": 0.8, "friction_self": 0.6})
+    values: tuple[dict[str, Value], ...] = (
+        {},
+        {"thickness": 2e-3, "friction_body": 0.8, "friction_self": 0.6},
+    )
     cloth = replace(cloth, fields=Fields(region=right, values=values))
     inside = np.setdiff1d(cloth.faces[right == 1], cloth.faces[right == 0])
     outside = np.setdiff1d(cloth.faces[right == 0], cloth.faces[right == 1])
