@@ -28,8 +28,8 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, toile.Result, 
     """A small sheet on a ball that sinks by 10 cm in three frames, and what its progress was."""
     folder = tmp_path_factory.mktemp("film")
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.3)
-    positions = np.asarray(ball.vertices) + (0.0, 0.3, 0.0)
-    frames = np.stack([positions - (0.0, 0.03 * frame, 0.0) for frame in range(4)])
+    positions = np.asarray(ball.vertices) + np.array([0.0, 0.3, 0.0])
+    frames = np.stack([positions - np.array([0.0, 0.03 * frame, 0.0]) for frame in range(4)])
     np.savez(folder / "ball.npz", vertices=frames, faces=np.asarray(ball.faces), fps=24.0)
     rows = [line.split() for line in sheet((-0.2, -0.2), (0.4, 0.4), 8).splitlines()]
     lines = [f"v {row[1]} 0.62 {row[2]}" if row[0] == "v" else " ".join(row) for row in rows]
