@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.npz_file import npz_arrays
@@ -129,9 +129,10 @@ def _of_the_file(origin: Origin, births: list[Birth]) -> Origin:
         for corner, weight in rows[b].items():
             row[corner] = row.get(corner, 0.0) + share * weight
         rows.append(row)
-    entries = [(number, corner, weight) for number, row in enumerate(rows) for corner, weight in row.items()]
-    number, corner, weight = np.array(entries, np.float64).reshape(-1, 3).T
-    own = csr_array((weight, (number.astype(np.int64), corner.astype(np.int64))), shape=(len(rows), count))
+    numbers = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
+    corners = np.array([corner for row in rows for corner in row], np.int64)
+    weights = np.array([weight for row in rows for weight in row.values()], np.float64)
+    own: csr_array = csr_array(coo_array((weights, (numbers, corners)), shape=(len(rows), count)))
     return replace(origin, weights=csr_array(origin.weights @ own), first=np.array([0, count], np.int32))
 
 
