@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from toile.dressing.batch.batch_stopped import BatchStopped
     from toile.dressing.batch.job import Job
     from toile.dressing.body.avatar import Avatar, load_avatar
+    from toile.dressing.body.in_memory.body_in_memory import body
     from toile.dressing.body.mannequin import mannequin
     from toile.dressing.body.measure import measure
     from toile.dressing.body.measurements import Measurements
@@ -77,6 +78,7 @@ _HOME = {
     "Textured": "toile.dressing.garment.fields.field",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
+    "body": "toile.dressing.body.in_memory.body_in_memory",
     "dress": "toile.dressing.run.dress",
     "fabric": "toile.dressing.garment.fabrics",
     "fabrics": "toile.dressing.garment.fabrics",
@@ -124,6 +126,7 @@ __all__ = [
     "Textured",
     "VertexMotion",
     "batch",
+    "body",
     "dress",
     "fabric",
     "fabrics",

@@ -27,6 +27,7 @@ from toile.dressing.cli.parser import (
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
+from toile.dressing.cli.view import add_view
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -128,6 +129,7 @@ def command_parser() -> argparse.ArgumentParser:
 
     add_measure(commands)
     add_pattern(commands)
+    add_view(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
@@ -140,7 +142,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress = commands.add_parser(
         "dress",
         help="drape garments on a body",
-        description="Drape garments on a body and write dressed.glb, preview.png, report.json "
+        description="Drape garments on a body and write dressed.glb, preview.png, view.html, report.json "
         "and a PLY and OBJ per garment.",
     )
     dress.add_argument("scene", nargs="?", type=Path, metavar="SCENE.toml", help="scene file")
@@ -154,7 +156,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     add_reading(dress)
     dress.add_argument(
         "--lead-in", type=lead_in, metavar="SECONDS|off",
-        help="motion from the rest pose of a .glb BODY into its clip (default: 1 s where its arms hang)",
+        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
+        "hang); off leaves the arms of a body that stands",
     )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from toile.dressing.garment.fabrics import checked_fabric
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.pattern import Pattern
+from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
-from toile.geometry.given_numbers import is_real, is_whole, shown
+from toile.geometry.given_numbers import is_real, is_whole, real, shown
 
 
 def given_path(value: object, field: str) -> Path:
@@ -86,3 +88,39 @@ def given_warp(value: object) -> float | dict[str, float]:
     if isinstance(value, Mapping):
         return {str(panel): float(angle) for panel, angle in value.items()}
     return float(value)  # type: ignore[arg-type]
+
+
+def check_fabric(fabric: object, field: str) -> None:
+    """Raise InputError unless a fabric is a name, a Fabric of plausible numbers, or None."""
+    if isinstance(fabric, Fabric):
+        checked_fabric(fabric)
+    elif not isinstance(fabric, str | None):
+        raise InputError(
+            f"{field} must be the name of a fabric or a Fabric, got {shown(fabric)}", field=field
+        )
+
+
+def check_fabrics(fabrics: object) -> None:
+    """Raise InputError unless fabrics are Fabrics by their names."""
+    if not isinstance(fabrics, Mapping):
+        raise InputError(f"fabrics must be Fabrics by their names, got {shown(fabrics)}", field="fabrics")
+    for name, fabric in fabrics.items():
+        if not isinstance(fabric, Fabric):
+            raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
+        checked_fabric(fabric)
+
+
+def given_friction(pairs: object) -> dict[tuple[str, str], float]:
+    """Return friction of pairs. Raises InputError naming what is none."""
+    if not isinstance(pairs, Mapping):
+        raise InputError(
+            f"friction_between must be numbers by pairs of names, got {shown(pairs)}",
+            field="friction_between",
+        )
+    found = {}
+    for pair, value in pairs.items():
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise InputError(f"friction_between: a pair is two names, got {pair!r}", field="friction_between")
+        what = f"friction_between {' and '.join(map(str, pair))}"
+        found[pair] = real(value, what, 0.0, 10.0, field="friction_between")
+    return found

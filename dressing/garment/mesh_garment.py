@@ -107,7 +107,7 @@ def read_mesh_garment(
     metres = _in_metres(path, surface.positions, units, up, avatar, place)
     _check_size(path, metres)
     read = surface = replace(surface, positions=metres)
-    surface, mended = mended_surface(surface)
+    surface, mended, _ = mended_surface(surface)
     if not len(surface.faces):
         raise InputError(f"{path}: no face has an area; export the garment again", file=path)
     surface, trims, with_trims = without_trims(surface)

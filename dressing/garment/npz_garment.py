@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
+from toile.dressing.files.surface_mend import Birth, mended_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import garment_from_surface
 from toile.dressing.pattern.garmentcode_roles import edge_role
@@ -86,8 +88,14 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         panel_names=tuple(f"piece {number}" for number in range(len(used))),
         file_face=held.get("polygon", np.arange(len(faces))).astype(np.int32),
     )  # fmt: skip
+    surface, notes, births = mended_surface(surface)
+    if not len(surface.faces):
+        raise InputError(f"{path}: no face has an area; export the garment again", file=path, field="faces")
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
+    if births:
+        mesh = replace(mesh, origin=_of_the_file(mesh.origin, births))
+        assert mesh.origin is not None
     pins = _pins(path, held)
     labels = {
         key.removeprefix(HELD): _whole(mesh.origin, np.isin(corner_vertex, held[key]))
@@ -96,6 +104,7 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     }
     mesh = replace(
         mesh,
+        notes=notes,
         pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
         pull=_pull(path, held, pins, mesh.origin, corner_vertex),
         held=labels,
@@ -109,6 +118,21 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
     )
     stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
     return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
+
+
+def _of_the_file(origin: Origin, births: list[Birth]) -> Origin:
+    """Return an origin by the corners of the file, from one with corners born in mending after these."""
+    count = int(origin.first[-1]) - len(births)
+    rows = [{corner: 1.0} for corner in range(count)]
+    for a, b, share in births:
+        row = {corner: (1.0 - share) * weight for corner, weight in rows[a].items()}
+        for corner, weight in rows[b].items():
+            row[corner] = row.get(corner, 0.0) + share * weight
+        rows.append(row)
+    entries = [(number, corner, weight) for number, row in enumerate(rows) for corner, weight in row.items()]
+    number, corner, weight = np.array(entries, np.float64).reshape(-1, 3).T
+    own = csr_array((weight, (number.astype(np.int64), corner.astype(np.int64))), shape=(len(rows), count))
+    return replace(origin, weights=csr_array(origin.weights @ own), first=np.array([0, count], np.int32))
 
 
 def _by_role(labels: dict[str, Int]) -> dict[EdgeRole, Int]:

@@ -12,6 +12,7 @@ from toile.dressing.run.progress import Progress
 from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, save_report, save_shapes
+from toile.dressing.run.result_view import save_view
 from toile.dressing.run.scene import Scene
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import now, together
@@ -37,8 +38,8 @@ def dress(
     scene
         What to drape.
     output
-        Folder for dressed.glb, preview.png, report.json and a PLY, an OBJ and the scene's `formats` per
-        garment; None writes nothing.
+        Folder for dressed.glb, preview.png, view.html, report.json and a PLY, an OBJ and the scene's
+        `formats` per garment; None writes nothing.
     progress
         Called after every frame; returning False cancels, and what is draped so far is the result. So does a
         first Ctrl-C, or the stop of a notebook; a second one raises KeyboardInterrupt.
@@ -117,6 +118,7 @@ def _to_the_end(
     if checkpoint is not None:
         save_shapes(checkpoint.output, result.avatar, result.garments, scene.formats)
         save_report(checkpoint.output, result.report)
+        save_view(checkpoint.output, result)
         if result.status != "cancelled":
             checkpoint.end()
     return result

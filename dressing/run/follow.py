@@ -21,12 +21,13 @@ from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
-from toile.dressing.wear.watch import strained_places
+from toile.dressing.wear.watch import TOP, is_off, strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.begin_holds import at_start
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
+    LONGEST_STEP,
     PUSHED_NEWTON,
     PUSHED_RISE,
     PUSHED_TOLERANCE,
@@ -41,8 +42,6 @@ from toile.geometry.stage_clock import Spent, StageClock
 BODY_NAME = "body"
 TIGHT = 0.4
 """Stretch that no fabric bears: where a film reaches it, its place is told."""
-LONGEST_STEP = 1.0 / 60.0
-"""Time steps at most [s], of two stages each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,6 +140,8 @@ def follow(
     made = film.run((last - done) / motion.fps)
     if max(made.stretch_max) > TIGHT:
         listener.say(_tight_sentence(made, shown, motion))
+    for name in shown.fallen():
+        listener.say(f"garment {name} has come off the body by the end: it is too wide for what holds it")
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
@@ -169,6 +170,7 @@ class _Shown:
         self.skin = hung.avatar.vertices
         self.crossing = ""
         self.tightest = (0.0, 0, "")
+        self._tops = [float(np.quantile(garment.positions[:, 1], TOP)) for garment in hung.garments]
         self._avatar = hung.avatar
         self._place = hung.place
         self._frames = frames
@@ -193,6 +195,14 @@ class _Shown:
         self.garments = self._as_of(state.cloth)
         if state.avatar is not None:
             self.skin = self._place.outward(state.avatar)
+
+    def fallen(self) -> list[str]:
+        """Return the names of garments that have come down and off the body since it began to move."""
+        return [
+            garment.name
+            for garment, top in zip(self.garments, self._tops, strict=True)
+            if is_off(garment.positions, top, self.skin)
+        ]
 
     def _as_of(self, cloth: Cloth) -> tuple[DressedGarment, ...]:
         """Return the garments in the shape of a cloth."""

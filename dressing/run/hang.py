@@ -1,6 +1,7 @@
 """Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -49,8 +50,12 @@ ALL_WORK = 5e6
 
 @dataclass(frozen=True)
 class _Sewing:
-    """The last sewing attempt, and the time of all attempts: reading, and by stages."""
+    """The last sewing attempt, and the time of all attempts: reading, and by stages.
 
+    `form` is the body as cloth meets it.
+    """
+
+    form: DressForm
     cloth: list[tuple[GarmentMesh, Fabric]]
     options: DrapeOptions
     outcome: DrapeOutcome
@@ -66,7 +71,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     """
     started = now()
     avatar, form = load_dress_form(scene.avatar, scene.measurements)
-    avatar, form, led = _led_in(scene, avatar, form)
+    own = form
+    avatar, form, led = _led_in(scene, avatar, own)
     for note in (*avatar.notes, *form.notes, *led):
         listener.say(f"{avatar.name}: {note}")
     for note in _doubts(scene, form):
@@ -75,7 +81,12 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     _say_jump(avatar, listener)
     reading = now().less(started).less(loading)
     sewing = _sew(scene, form, checkpoint, listener)
-    outcome = sewing.outcome
+    moved = form
+    if avatar.motion is None and form.avatar.motion is not None:
+        sewing, moved = _closed(sewing, own, listener, scene.tolerance), own
+    outcome, form = sewing.outcome, sewing.form
+    if form.avatar is not moved.avatar:
+        avatar = replace(avatar, vertices=form.place.outward(form.avatar.vertices))
     for note in outcome.notes:
         listener.say(note)
     for place in outcome.figures.strained:
@@ -100,6 +111,29 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
         garments=garments, report=report, sizing=sewing.options.sizing,
     )  # fmt: skip
+
+
+def _closed(sewing: _Sewing, own: DressForm, listener: Listener, tolerance: float) -> _Sewing:
+    """Return garments that hang on open arms after these have closed, on a body that stands still."""
+    from toile.dressing.wear.close_arms import close_arms
+    from toile.dressing.wear.skins_apart import NOTABLE
+
+    opened = sewing.form
+    if sewing.outcome.status not in ("converged", "frame_limit"):
+        still = copy(opened)
+        still.avatar = replace(opened.avatar, motion=None)
+        return replace(sewing, form=still)
+    hung = replace(sewing.outcome, figures=replace(sewing.outcome.figures, stages=sewing.stages))
+    outcome, form = close_arms(
+        opened, own, sewing.cloth, sewing.options, hung, listener.on_frame(tolerance)
+    )  # fmt: skip
+    depth = float(np.linalg.norm(form.avatar.vertices - own.avatar.vertices, axis=1).max())
+    if outcome.failure is None and depth > NOTABLE:
+        listener.say(
+            f"{own.avatar.name}: where its skins meet they give way by up to {1e3 * depth:.0f} mm, so that "
+            "cloth has room between them"
+        )
+    return replace(sewing, form=form, outcome=outcome, stages=dict(outcome.figures.stages))
 
 
 def _is_sewn(scene: ResolvedScene) -> bool:
@@ -170,11 +204,13 @@ def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) ->
 def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, listener: Listener) -> _Sewing:
     """Read and drape the garments, in other triangles where seams jam."""
     from toile.dressing.wear.put_on import drape
+    from toile.dressing.wear.skins_apart import skins_apart
 
     reading = Spent()
     stages: dict[str, Spent] = {}
     work = last_work = 0
     meshes: list[GarmentMesh] = []
+    worn = form
     for edges in scene.sewing:
         started = now()
         before, meshes = meshes, [load_garment(garment, form, edges) for garment in scene.garments]
@@ -191,13 +227,16 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         if checkpoint is not None and edges == scene.sewing[0]:
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
-        outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
+        worn, said = skins_apart(form, meshes)
+        if said is not None and edges == scene.sewing[0]:
+            listener.say(f"{form.avatar.name}: {said}")
+        outcome = drape(worn, cloth, options, listener.on_frame(scene.tolerance))
         stages = together(stages, outcome.figures.stages)
         work, last_work = work + outcome.work, outcome.work
         if not outcome.gave_up:
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
-    return _Sewing(cloth, options, outcome, reading, stages)
+    return _Sewing(worn, cloth, options, outcome, reading, stages)
 
 
 def _work_left(meshes: list[GarmentMesh], work: int, last_work: int) -> float:

@@ -11,11 +11,14 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
-from toile.dressing.garment.fabrics import DEFAULT_FABRIC, checked_fabric
+from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
+    check_fabric,
+    check_fabrics,
     checked_text,
+    given_friction,
     given_garment,
     given_names,
     given_path,
@@ -56,8 +59,9 @@ class AvatarFile:
     clip
         Name of the animation of a glTF file; None takes the first.
     lead_in
-        Length of a motion [s] that leads from the rest pose of its skeleton, in which garments are sewn, into
-        a glTF clip; "off" makes none; None makes one of 1 s where sleeves could not be sewn without.
+        Length of a motion [s] that leads from the rest pose of its skeleton, or from open arms, in which
+        garments are sewn, into its clip; "off" makes none; None makes one of 1 s where sleeves could not be
+        sewn without, and opens and closes the arms of a body that stands.
     """
 
     path: Path
@@ -216,7 +220,7 @@ class Garment:
     def __post_init__(self) -> None:
         """Accept convenient spellings. Raises InputError naming a field of a wrong type or value."""
         _set(self, source=given_garment(self.source))
-        _check_fabric(self.fabric, "fabric")
+        check_fabric(self.fabric, "fabric")
         for name in ("name", "units", "up", "size"):
             checked_text(getattr(self, name), name)
         _set(self, self_contact=truth(self.self_contact, "self_contact"), pins=given_pins(self.pins))
@@ -233,7 +237,7 @@ class Garment:
                 field="panel_fabrics",
             )
         for fabric in self.panel_fabrics.values():
-            _check_fabric(fabric, "panel_fabrics")
+            check_fabric(fabric, "panel_fabrics")
 
 
 GarmentLike = str | Path | GarmentMesh | Pattern | Mapping[str, Any]
@@ -326,8 +330,8 @@ class Scene:
             )
         if isinstance(self.measurements, str):
             _set(self, measurements=Path(self.measurements))
-        _check_fabric(self.fabric, "fabric")
-        _check_fabrics(self.fabrics)
+        check_fabric(self.fabric, "fabric")
+        check_fabrics(self.fabrics)
         checked_text(self.quality, "quality")
         quality_preset(self.quality)
         formats: str | Sequence[str] = self.formats
@@ -351,7 +355,7 @@ class Scene:
             raise InputError(
                 f"air must be an Air, such as Air(velocity=(0, 0, 5)), got {shown(self.air)}", field="air"
             )
-        _set(self, friction_between=_friction_between(self.friction_between))
+        _set(self, friction_between=given_friction(self.friction_between))
 
     def fabric_of(self, garment: Garment) -> str | Fabric:
         """Return what a garment is made of: a fabric, or the name of one that may not exist."""
@@ -385,39 +389,3 @@ def _garments(given: object) -> tuple[Garment, ...]:
             "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt", field="garments"
         )
     return tuple(entry if isinstance(entry, Garment) else Garment(entry) for entry in given)
-
-
-def _check_fabric(fabric: object, field: str) -> None:
-    """Raise InputError unless a fabric is a name, a Fabric of plausible numbers, or None."""
-    if isinstance(fabric, Fabric):
-        checked_fabric(fabric)
-    elif not isinstance(fabric, str | None):
-        raise InputError(
-            f"{field} must be the name of a fabric or a Fabric, got {shown(fabric)}", field=field
-        )
-
-
-def _check_fabrics(fabrics: object) -> None:
-    """Raise InputError unless fabrics are Fabrics by their names."""
-    if not isinstance(fabrics, Mapping):
-        raise InputError(f"fabrics must be Fabrics by their names, got {shown(fabrics)}", field="fabrics")
-    for name, fabric in fabrics.items():
-        if not isinstance(fabric, Fabric):
-            raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
-        checked_fabric(fabric)
-
-
-def _friction_between(pairs: object) -> dict[tuple[str, str], float]:
-    """Return friction of pairs. Raises InputError naming what is none."""
-    if not isinstance(pairs, Mapping):
-        raise InputError(
-            f"friction_between must be numbers by pairs of names, got {shown(pairs)}",
-            field="friction_between",
-        )
-    found = {}
-    for pair, value in pairs.items():
-        if not isinstance(pair, tuple) or len(pair) != 2:
-            raise InputError(f"friction_between: a pair is two names, got {pair!r}", field="friction_between")
-        what = f"friction_between {' and '.join(map(str, pair))}"
-        found[pair] = real(value, what, 0.0, 10.0, field="friction_between")
-    return found

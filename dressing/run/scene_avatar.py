@@ -4,9 +4,9 @@ from pathlib import Path
 
 from toile.dressing.body.animated_avatar import is_animated, load_animated_avatar, load_posed_avatar
 from toile.dressing.body.avatar import Avatar, load_avatar
-from toile.dressing.body.body_in_memory import sound
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.given_measurements import Given, read_measurements
+from toile.dressing.body.in_memory.body_in_memory import sound
 from toile.dressing.run.scene import OFF, AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 

@@ -30,7 +30,7 @@ from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
-from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
@@ -84,7 +84,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "lead_in": (
             (int, float, str),
-            "motion from the rest pose into the clip [s], or off (default: if needed)",
+            "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
@@ -386,13 +386,9 @@ class _SceneReader:
         if missing:
             raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
         try:
-            fabric = Fabric(**{**base, **given, "name": name})
+            return checked_fabric(Fabric(**{**base, **given, "name": name}))
         except InputError as error:
             raise self._at((*place, str(error.field).removeprefix("fabric.")), error) from None
-        invalid = invalid_field(fabric)
-        if invalid is not None:
-            raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
-        return checked_fabric(fabric)
 
 
 def _name_of(values: Mapping[str, Any]) -> str | None:

@@ -10,12 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.sewn_pins import is_sewn_up
 from toile.geometry.arrays import Float, Int
 from toile.geometry.normals import area_normals
 from toile.remesh.sizing.sizing import SizingOptions
 
-ACROSS = 3.0
-"""Edges at least across a garment whose area is a square."""
+ACROSS = 2.5
+"""Longest edges across a square of the area of a garment, at least."""
 PLANE = 0.05
 """Extent across its plane, over that along it, up to which a garment starts as a sheet."""
 
@@ -25,7 +26,7 @@ def fitting_sizing(
 ) -> SizingOptions | None:
     """Return the sizing with its longest edges cut down to what garments and body ask for, or None.
 
-    No edge is longer than a third of the side of a square of the smallest garment's area. Where a garment
+    No edge is longer than two fifths of the side of a square of the smallest garment's area. Where a garment
     starts as a sheet, no edge turns by more than `refine_angle` on a ball that has as much volume per surface
     as the body, closed, vertices (v, 3) [m] and faces (f, 3).
     """
@@ -35,12 +36,6 @@ def fitting_sizing(
     if any(starts_as_sheet(mesh) for mesh in garments):
         longest = min(longest, sizing.refine_angle * _mean_radius(vertices, faces))
     return replace(sizing, size_max=max(float(longest), sizing.size_min))
-
-
-def is_sewn_up(mesh: GarmentMesh) -> bool:
-    """Whether a garment has seams that are open at the start."""
-    ends = mesh.positions[mesh.stitches.reshape(-1, 2)]
-    return bool((np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) > 1e-9).any())
 
 
 def starts_as_sheet(mesh: GarmentMesh) -> bool:

@@ -14,7 +14,6 @@ from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
 from toile.dressing.wear.assemble_cloth import assemble_cloth, pin_motion
-from toile.dressing.wear.coarsest_edges import is_sewn_up
 from toile.dressing.wear.drape_types import (
     DrapeFigures,
     DrapeOptions,
@@ -30,6 +29,7 @@ from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.raised_arms import raised_arms
 from toile.dressing.wear.rings import rolled_rings
+from toile.dressing.wear.sewn_pins import pins_in_time
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
@@ -42,7 +42,6 @@ from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.contact_pairs import BODY
 from toile.engine.forces.ground import Ground
 from toile.engine.step.options import StepOptions
-from toile.geometry.arrays import Bool, Int
 from toile.geometry.errors import CrowdedError, InputError
 
 SHRINK = 0.04
@@ -114,6 +113,22 @@ def drape(
         outcome, gave_up=parts[-1].gave_up, work=sum(part.work for part in parts),
         figures=in_all([part.figures for part in parts], outcome.figures),
     )  # fmt: skip
+
+
+def settle_worn(
+    form: DressForm,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    options: DrapeOptions,
+    cloth: Cloth,
+    on_frame: Callable[[FrameState], bool],
+) -> DrapeOutcome:
+    """Let cloth that is worn on a still body find equilibrium there."""
+    watch = Watch(form.avatar.vertices, [mesh for mesh, _ in garments], form.place)
+    run = Drape(
+        cloth, (form.avatar.vertices, form.avatar.faces), [], _plan(options, _all_fabrics(garments)),
+        _Reel(on_frame, options.max_frames).showing(watch),
+    )  # fmt: skip
+    return _outcome(run, garments, _broken_down(run, run.hang, watch), (), watch, form.place)
 
 
 class _Reel:
@@ -197,7 +212,7 @@ def _put_on(
     notes += said
     meshes, said = clear_panels(meshes, obstacle)
     notes += said
-    at_once, later = _pins_in_time(meshes, options.pins)
+    at_once, when_sewn = pins_in_time(meshes, options.pins)
     cloth = assemble_cloth(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], at_once
     )
@@ -205,23 +220,8 @@ def _put_on(
     most = max(MOST_WORK, MOST_PER_FACE * len(cloth.faces))
     plan = _plan(options, _all_fabrics(garments))
     plan = replace(plan, most_work=most if plan.most_work is None else min(most, plan.most_work))
-    run = Drape(cloth, obstacle, growth, plan, reel.showing(watch), later)
+    run = Drape(cloth, obstacle, growth, plan, reel.showing(watch), when_sewn)
     return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch, form.place)
-
-
-def _pins_in_time(meshes: list[GarmentMesh], pins: tuple[Int, ...]) -> tuple[list[Int], Bool | None]:
-    """Return the pins of every garment that hold from the start, and a mask of those that do once it is sewn.
-
-    Panels that are to be sewn must move: their pins hold later. The mask is that of all material vertices,
-    shape (m,), or None.
-    """
-    none = np.empty(0, np.int32)
-    at_once = [none if is_sewn_up(mesh) else own for mesh, own in zip(meshes, pins, strict=False)]
-    masks = [np.zeros(len(mesh.positions), bool) for mesh in meshes]
-    for mesh, mask, own in zip(meshes, masks, pins, strict=False):
-        mask[own] = is_sewn_up(mesh)
-    later: Bool = np.concatenate(masks)
-    return at_once, later if later.any() else None
 
 
 def _is_over(failure: Failure | None) -> bool:

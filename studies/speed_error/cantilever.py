@@ -12,7 +12,8 @@ from toile.geometry.arrays import Float
 from toile.studies.scenes.flat_meshes import KINDS
 from toile.studies.scenes.motion import Solving, free_options, free_stepper
 from toile.studies.scenes.scenes import sheet
-from toile.studies.scenes.spring_cloth import grid_mesh, grid_springs, spring_stepper
+from toile.remesh.panel.grid import grid_mesh
+from toile.studies.scenes.spring_cloth import grid_springs, spring_stepper
 from toile.studies.speed_error.point import Chart, Effort, Point
 from toile.studies.speed_error.timed import timed
 from toile.studies.validation.heavy_strip import clamped_strip

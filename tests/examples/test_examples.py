@@ -129,7 +129,7 @@ def results_in_numpy(result: toile.Result, folder: Path) -> None:
 def dress_mannequin(result: toile.Result, folder: Path) -> None:
     hangs(result)
     written = {path.name for path in folder.iterdir()}
-    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj"} <= written
+    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj", "view.html"} <= written
     (shirt,) = result.garments
     height = float(np.ptp(result.avatar.vertices[:, 1]))
     assert 0.6 * height < shirt.positions[:, 1].mean() < 0.8 * height

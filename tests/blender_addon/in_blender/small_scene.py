@@ -109,7 +109,7 @@ class Stub:
 
 
 def stub_engine() -> None:
-    """Let a stub stand for the engine when it dresses: its n-th run gives one frame, a strip of n triangles."""
+    """Let a stub stand for the engine that dresses: its n-th run gives one frame, a strip of n triangles."""
     from toile.blender_addon import dressing
 
     engine = dressing._spoken

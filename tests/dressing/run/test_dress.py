@@ -51,7 +51,7 @@ def test_nothing_is_written_without_an_output_folder(
     assert "tetrahedron: Recognised." in said
     written = result.save("later")
     assert {path.name for path in written} == set(os.listdir("later"))
-    assert len(written) == 5
+    assert len(written) == 6
 
 
 def test_same_scene_writes_the_same_bytes(tmp_path: Path, fake_drape: Callable[..., Any]) -> None:
