@@ -1,6 +1,7 @@
 """Garments with fields, elastic, gas and holds: meshed along their borders, and marked."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,17 +36,28 @@ def mesh_with_parts(pattern: Pattern, parts: Parts, edges: SewingEdges, fps: flo
     """
     if not parts:
         return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
-    _check_panels(parts, tuple(panel.name for panel in pattern.panels))
-    levels = [levels_of(field, pattern) for field in parts.fields]
     lines: dict[str, list[Level]] = {}
-    for of_panels in levels:
-        for name, level in of_panels.items():
-            lines.setdefault(name, []).append(level)
-    cuts = cuts_of(parts, levels, pattern)
+    with _named(pattern.name):
+        _check_panels(parts, tuple(panel.name for panel in pattern.panels))
+        levels = [levels_of(field, pattern) for field in parts.fields]
+        for of_panels in levels:
+            for name, level in of_panels.items():
+                lines.setdefault(name, []).append(level)
+        cuts = cuts_of(parts, levels, pattern)
     mesh = mesh_pattern(
         pattern, edge_length=edges.length, curve_edge_length=edges.curves, cuts=cuts or None, lines=lines
     )
-    return with_parts(mesh, parts, levels, fps)
+    with _named(mesh.name):
+        return with_parts(mesh, parts, levels, fps)
+
+
+@contextmanager
+def _named(garment: str) -> Iterator[None]:
+    """Put the name of a garment in front of errors raised inside."""
+    try:
+        yield
+    except InputError as error:
+        raise error.at(f"garment '{garment}'", garment=garment) from None
 
 
 def with_parts(mesh: GarmentMesh, parts: Parts, levels: list[dict[str, Level]], fps: float) -> GarmentMesh:
@@ -77,14 +89,15 @@ def parts_on_mesh(mesh: GarmentMesh, parts: Parts, fps: float) -> GarmentMesh:
     """Return a garment that came as a mesh with its parts. Raises InputError if they need a pattern."""
     if not parts:
         return mesh
-    _check_panels(parts, mesh.panel_names)
-    for field in parts.fields:
-        if field.run is not None or field.polygon:
-            raise InputError(
-                "field: bands and polygons need a pattern; paint vertices of a mesh, or name its panels",
-                field="run" if field.run is not None else "polygon",
-            )
-    return with_parts(mesh, parts, [{} for _ in parts.fields], fps)
+    with _named(mesh.name):
+        _check_panels(parts, mesh.panel_names)
+        for field in parts.fields:
+            if field.run is not None or field.polygon:
+                raise InputError(
+                    "field: bands and polygons need a pattern; paint vertices of a mesh, or name its panels",
+                    field="run" if field.run is not None else "polygon",
+                )
+        return with_parts(mesh, parts, [{} for _ in parts.fields], fps)
 
 
 def _check_panels(parts: Parts, known: tuple[str, ...]) -> None:
