@@ -55,7 +55,9 @@ def packed_again(folder: Path) -> Path:
             record.append(f"{name},sha256={digest},{len(data)}")
             # A fixed date: the same installation gives the same bytes.
             archive.writestr(ZipInfo(name), data, ZIP_DEFLATED)
-        archive.writestr(ZipInfo(f"{facts}/RECORD"), "\n".join([*record, f"{facts}/RECORD,,", ""]), ZIP_DEFLATED)
+        archive.writestr(
+            ZipInfo(f"{facts}/RECORD"), "\n".join([*record, f"{facts}/RECORD,,", ""]), ZIP_DEFLATED
+        )
     return wheel
 
 
