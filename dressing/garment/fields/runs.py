@@ -77,7 +77,7 @@ def run_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
 
 
 def _labelled_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
-    labels: dict[str, Int] = {**mesh.edges, **mesh.held}
+    labels: dict[str, Int] = {str(role): own for role, own in mesh.edges.items()} | mesh.held
     if run not in labels:
         known = sorted(labels) or ["none in this garment; an .npz garment has them as held_LABEL"]
         raise InputError(f"run: {unknown_name('edge', run, known)}", field="run")
