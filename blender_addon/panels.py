@@ -1,5 +1,6 @@
 """Panels: in the Physics tab, where Blender's own cloth is, and a short one beside the 3-D view."""
 
+from textwrap import wrap
 from typing import Any
 
 import bpy
@@ -7,6 +8,9 @@ import bpy
 from toile.blender_addon.properties import OWN_VALUES
 from toile.blender_addon.result import our_modifier
 from toile.blender_addon.run import Current
+
+WIDTH = 60
+"""Letters in a line of a note."""
 
 
 def draw_add(self: Any, context: Any) -> None:
@@ -29,7 +33,9 @@ def draw_run(layout: Any, context: Any) -> None:
         layout.progress(factor=run.share, text=run.text)
         layout.operator("toile.cancel", icon="CANCEL")
         return
-    layout.operator("toile.dress", icon="PLAY")
+    row = layout.row(align=True)
+    row.operator("toile.dress", icon="PLAY")
+    row.operator("toile.dress", text="Only Selected").only_selected = True
 
 
 class _Physics:
@@ -53,12 +59,17 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
         layout, obj = self.layout, context.object
         layout.use_property_split = True
         layout.prop(obj.toile, "role")
+        layout.prop(obj.toile, "body")
         if obj.toile.role == "GARMENT":
             layout.prop(obj.toile, "layer")
             layout.prop(obj.toile, "keep_topology")
         draw_run(layout.column(), context)
         if obj.toile.state:
             layout.label(text=f"Frames: {obj.toile.state}")
+        for note in obj.toile.notes.splitlines():
+            column = layout.column(align=True)
+            for number, line in enumerate(wrap(note, WIDTH)):
+                column.label(text=line, icon="BLANK1" if number else "INFO")
         if our_modifier(obj) is not None:
             row = layout.row(align=True)
             row.operator("toile.apply")

@@ -1,6 +1,7 @@
-"""Meshing of a panel with folds: the outline gets a corner at their ends, and what lies between is filled apart."""
+"""Meshing of a panel with folds: corners where they end, and what lies between them filled apart."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -44,12 +45,24 @@ def fold_cuts(pattern: Pattern) -> dict[tuple[str, int], list[float]]:
                 edge, fraction, distance = _place(panel, np.array(end))
                 if distance > REACH:
                     raise InputError(
-                        f"{where} ends at ({end[0]:.3f}, {end[1]:.3f}), {1e3 * distance:.0f} mm from the outline; "
-                        "draw it from outline to outline",
+                        f"{where} ends at ({end[0]:.3f}, {end[1]:.3f}), {1e3 * distance:.0f} mm "
+                        "from the outline; draw it from outline to outline",
                         field=f"pattern.panels.{panel.name}",
                     )
                 cuts.setdefault((panel.name, edge), []).append(fraction)
     return cuts
+
+
+def joined_cuts(
+    cuts: Mapping[tuple[str, int], Sequence[float]] | None, folds: Mapping[tuple[str, int], Sequence[float]]
+) -> dict[tuple[str, int], list[float]] | None:
+    """Return cuts of edges and those where folds end together; None where there is none."""
+    if not cuts and not folds:
+        return None
+    return {
+        key: [*(cuts or {}).get(key, ()), *folds.get(key, ())]
+        for key in dict.fromkeys([*(cuts or ()), *folds])
+    }
 
 
 def _check(where: str, panel: str, fold: Fold) -> None:
@@ -95,7 +108,9 @@ def folded_mesh(border: Float, folds: Mapping[str, Float], edge_length: float) -
     loops = [np.arange(len(border), dtype=np.int64)]
     points, lines = list(border), []
     for name, corners in folds.items():
-        first, last = (int(np.linalg.norm(border - end, axis=1).argmin()) for end in (corners[0], corners[-1]))
+        first, last = (
+            int(np.linalg.norm(border - end, axis=1).argmin()) for end in (corners[0], corners[-1])
+        )
         line = np.vstack((border[first], corners[1:-1], border[last]))
         lines.append(line)
         inner = _sampled(line, edge_length)
@@ -115,9 +130,9 @@ def folded_mesh(border: Float, folds: Mapping[str, Float], edge_length: float) -
         if signed_area(vertices[loop]) <= 0.0:
             raise ValueError(f"{', '.join(folds)}: they cross each other or leave the outline")
         mesh = triangulate_panel(vertices[loop], edge_length=edge_length)
-        name = np.concatenate((loop, len(vertices) + np.arange(len(mesh.vertices) - len(loop))))
+        number_of = np.concatenate((loop, len(vertices) + np.arange(len(mesh.vertices) - len(loop))))
         vertices = np.concatenate((vertices, mesh.vertices[len(loop) :]))
-        faces.append(name[mesh.faces])
+        faces.append(number_of[mesh.faces])
         part.append(np.full(len(mesh.faces), number, np.int32))
     return FoldedMesh(
         np.ascontiguousarray(vertices), np.ascontiguousarray(np.concatenate(faces), np.int32),
@@ -126,9 +141,9 @@ def folded_mesh(border: Float, folds: Mapping[str, Float], edge_length: float) -
 
 
 def _sampled(line: Float, edge_length: float) -> Float:
-    """Points along a polyline but for its ends, about as far apart as `edge_length` [m], all corners among them."""
+    """Points along a polyline without its ends, about `edge_length` [m] apart, all corners among them."""
     points = []
-    for start, end in zip(line[:-1], line[1:], strict=True):
+    for start, end in pairwise(line):
         count = max(1, round(float(np.linalg.norm(end - start)) / edge_length))
         points.append(start + np.arange(count)[:, None] / count * (end - start))
     return np.concatenate(points)[1:]

@@ -11,8 +11,6 @@ from toile.engine.cloth.stretch_curve import tension_at
 from toile.engine.forces.laws.stretch_laws import curve_tables
 
 CURVES = ("stretch_curve_warp", "stretch_curve_weft")
-MOST_POISSON = 0.99
-"""Beyond, cloth would hardly stretch at all where it cannot contract."""
 SAMPLES = 400
 """Of a curve, to find where it is least steep."""
 
@@ -35,10 +33,6 @@ def wrong_curve(points: Any) -> str | None:
 
 def unlike_cloth(fabric: Fabric) -> tuple[str, str] | None:
     """Return the field of a fabric that does not go with its others and what is wrong, or None."""
-    if fabric.poisson > MOST_POISSON:
-        return "poisson", f"must not exceed {MOST_POISSON:g}, got {fabric.poisson:g}"
-    if fabric.strain_limit >= 1.0:
-        return "strain_limit", f"is a strain, 0.04 for 4 %, and must be less than 1, got {fabric.strain_limit:g}"
     if fabric.strain_limit and fabric.stretch_curve_warp and fabric.stretch_curve_weft:
         return "strain_limit", "has no effect beside curves of warp and weft; leave it out"
     least = fabric.poisson / (1.0 + fabric.poisson)
@@ -55,4 +49,4 @@ def unlike_cloth(fabric: Fabric) -> tuple[str, str] | None:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, float) and math.isfinite(value)

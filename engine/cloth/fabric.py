@@ -1,7 +1,11 @@
 """Mechanical properties of a fabric, in SI units."""
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, SupportsFloat
+
+from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +43,8 @@ class Fabric:
         when the warp is pulled and of the warp when the weft is.
     bending_damping
         Time by which the damping of bending exceeds the rigidity, number for number [s].
+
+    Raises InputError naming a field that is no finite number.
     """
 
     name: str
@@ -60,11 +66,40 @@ class Fabric:
     poisson: float = 0.0
     bending_damping: float = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, name: str, areal_density: SupportsFloat, thickness: SupportsFloat,
+            bending_warp: SupportsFloat, bending_weft: SupportsFloat, bending_bias: SupportsFloat,
+            stretch_warp: SupportsFloat, stretch_weft: SupportsFloat, shear: SupportsFloat,
+            compression: SupportsFloat = 0.02, damping: SupportsFloat = 0.0,
+            friction_body: SupportsFloat = 0.35, friction_self: SupportsFloat = 0.3,
+            stretch_curve_warp: Sequence[Sequence[SupportsFloat]] = (),
+            stretch_curve_weft: Sequence[Sequence[SupportsFloat]] = (), strain_limit: SupportsFloat = 0.0,
+            poisson: SupportsFloat = 0.0, bending_damping: SupportsFloat = 0.0,
+        ) -> None: ...  # fmt: skip
+
     def __post_init__(self) -> None:
-        """Take lists of points as well, as files have them: a fabric is compared and counted by its values."""
-        for name in ("stretch_curve_warp", "stretch_curve_weft"):
-            object.__setattr__(self, name, _frozen(getattr(self, name)))
+        """Accept numbers of any real type, and curves as lists of points."""
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if entry.name == "name":
+                continue
+            if entry.name.startswith("stretch_curve"):
+                object.__setattr__(self, entry.name, _points(value))
+                continue
+            if not is_real(value):
+                raise InputError(
+                    f"fabric '{self.name}': {entry.name} must be a finite number, got {shown(value)}",
+                    field=f"fabric.{entry.name}",
+                )
+            object.__setattr__(self, entry.name, float(value))
 
 
-def _frozen(value: Any) -> Any:
-    return tuple(_frozen(entry) for entry in value) if isinstance(value, list | tuple) else value
+def _points(value: Any) -> Any:
+    """Return points of a curve as tuples of numbers, so that fabrics are told apart by their values."""
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "__len__"):
+        return tuple(_points(entry) for entry in value)
+    return float(value) if is_real(value) else value

@@ -6,6 +6,7 @@ nodes from straight rows only, so that a fold stays where it was drawn.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,11 @@ from toile.remesh.adapt.transfer import TransferMap
 
 ON_LINE = 1e-7
 """Vertices so far from a fold lie on it [m]: they are put there to rounding."""
+
+SHARP = 2.0
+"""Turn of a fold from which on its faces touch each other [rad]."""
+PRESSED = 0.035
+"""Contact radius of the nodes beside such a fold, as a share of the height of its faces: 2 degrees."""
 
 
 class FoldLine(NamedTuple):
@@ -89,7 +95,7 @@ class Folds:
         return replace(self, part=self.part[transfer.faces])
 
     def hinges(self, faces: Int, uv: Float) -> Hinges:
-        """Return the edges on folds of faces (t, 3) of material vertices with pattern coordinates (m, 2) [m]."""
+        """Return the edges on folds of faces (t, 3) of vertices with pattern coordinates (m, 2) [m]."""
         topology = triangle_topology(faces)
         ahead = topology.neighbours > np.arange(len(faces))[:, None]
         face, side = np.nonzero(ahead)
@@ -120,10 +126,28 @@ class Folds:
         return topology._replace(neighbours=neighbours, neighbour_sides=neighbour_sides)
 
 
+def pressed_radius(folds: Folds, faces: Int, uv: Float, node: Int) -> Float:
+    """Return the largest contact radius of nodes beside sharp folds [m], infinite elsewhere, shape (n,).
+
+    Both faces at a fold that shuts come as near as its angle wants: a radius that is not small beside their
+    height would keep them open.
+    """
+    hinges = folds.hinges(faces, uv)
+    sharp = np.array([abs(line.angle) > SHARP for line in folds.lines])[hinges.line]
+    a, b, c, d = (uv[hinges.vertices[sharp, k]] for k in range(4))
+    radius = np.full(int(node.max(initial=-1)) + 1, np.inf)
+    along = (b - a) / hinges.length[sharp, None]
+    for far in (c, d):
+        height = np.abs(along[:, 0] * (far - a)[:, 1] - along[:, 1] * (far - a)[:, 0])
+        for k in range(4):
+            np.minimum.at(radius, node[hinges.vertices[sharp, k]], PRESSED * height)
+    return radius
+
+
 def _on_line(points: Float, line: Float) -> Bool:
     """Mark points (n, 2) that lie on a polyline (k, 2)."""
     found = np.zeros(len(points), bool)
-    for start, end in zip(line[:-1], line[1:], strict=True):
+    for start, end in pairwise(line):
         along = end - start
         share = np.clip((points - start) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
         away = points - start - share[:, None] * along

@@ -2,11 +2,12 @@
 
 A row of a table is one piece: the strain where it begins, energy [J/m^2] and tension [N/m] there, and the
 coefficients of s, s^2, s^3 that tension gains at s beyond it. Tension is continuous with its slope and never
-falls, so that the energy is convex and twice differentiable. The last piece is a straight line without end; in
-compression the slope at zero holds.
+falls, so that the energy is convex and twice differentiable. The last piece is a straight line without end;
+in compression the slope at zero holds.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def limited(stiffness: float, limit: float) -> Float:
 
 
 def through(points: Sequence[Sequence[float]]) -> Float:
-    """Return the table of the curve from zero through measured points (strain, tension [N/m]), shape (k + 1, 6).
+    """Return the table of the curve from zero through points (strain, tension [N/m]), shape (k + 1, 6).
 
     Both must rise from point to point. Between points it is the monotone cubic of Fritsch and Carlson (1980),
     with the slopes of Fritsch and Butland (1984): weighted harmonic means of those of the pieces beside.
@@ -64,11 +65,13 @@ def through(points: Sequence[Sequence[float]]) -> Float:
 
 
 def _with_energies(
-    strain: Sequence[float] | Float, tension: Sequence[float] | Float, cubics: Sequence[Sequence[float] | Float]
+    strain: Sequence[float] | Float,
+    tension: Sequence[float] | Float,
+    cubics: Sequence[Sequence[float] | Float],
 ) -> Float:
     """Return the table of pieces, their energies added up."""
     rows = np.column_stack((strain, np.zeros(len(strain)), tension, np.asarray(cubics)))
-    for before, row in zip(rows[:-1], rows[1:], strict=True):
+    for before, row in pairwise(rows):
         s = row[0] - before[0]
         row[1] = before[1] + s * (before[2] + s * (before[3] / 2 + s * (before[4] / 3 + s * before[5] / 4)))
     return rows

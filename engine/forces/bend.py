@@ -173,10 +173,7 @@ class Bending:
     @classmethod
     def for_cloth(cls, cloth: Cloth) -> "Bending":
         """Return the bending of a cloth, with its fabrics, pins and curved rest shapes; folds are borders."""
-
-        def per_face(name: str) -> Float:
-            return np.array([getattr(fabric, name) for fabric in cloth.fabrics])[cloth.fabric]
-
+        per_face = cloth.per_face
         rest_positions = None
         if cloth.rest_curved.any():
             rest_positions = np.zeros_like(cloth.positions)

@@ -334,6 +334,10 @@ class ClothStepper:
         if holds is not None:
             self.forces.append(holds)
 
+    def pin(self, pinned: Bool | None) -> None:
+        """Let no force move marked nodes, shape (n,), from here on, and all others again."""
+        self.pinned = None if pinned is None or not pinned.any() else pinned
+
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.
 

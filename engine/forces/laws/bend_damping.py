@@ -1,9 +1,9 @@
 """Damping of bending: a fabric's rigidity times a time, against the rate at which curvature changes.
 
-With v the velocity at the end of the step, omega the turning of a face in it and B the second derivatives, the
-rate is r = B v - omega x (B x), zero in every rigid motion, and the dissipation potential of a step of h is
+With v the velocity at the end of the step, omega the turning of a face in it and B the second derivatives,
+the rate is r = B v - omega x (B x), zero in every rigid motion, and the dissipation potential of a step of h
 
-    h/2 seconds sum over faces  A sum_ab D_ab r_a . r_b,     a, b in (uu, vv, uv),
+    is h/2 seconds sum over faces  A sum_ab D_ab r_a . r_b,     a, b in (uu, vv, uv),
 
 with B x and the directions of omega where the step starts. A mode of frequency f loses the share
 pi seconds (2 pi f) of its amplitude per cycle, whatever mesh and step (stiffness-proportional or Kelvin-Voigt

@@ -1,7 +1,7 @@
 """Membrane of cloth of which some fabric has stretch curves or Poisson's ratio.
 
-Shear, and the stretch of faces without such a law, are those of `Membrane`, by its own kernels; the stretch of
-the others is added to it.
+Shear, and the stretch of faces without such a law, are those of `Membrane`, by its own kernels; the stretch
+of the others is added to it.
 """
 
 import numpy as np

@@ -3,12 +3,13 @@
 E = sum over the edges of a fold  k l/2 (theta - theta_0)^2 with l the edge's rest length and k a moment per
 length and turn [N]. theta is the angle between the planes of the two faces, positive where their right sides
 face each other. It is told apart from theta - 2 pi by the side on which the fold opens: its range is
-theta_0/6 +- pi, so that a fold shut flat may press a little through 180 degrees. The faces beside a fold bend as
-if it were a border (`Folds.cut`), so the hinge alone turns there.
+theta_0/6 +- pi, so that a fold shut flat may press a little through 180 degrees. The faces beside a fold bend
+as if it were a border (`Folds.cut`), so the hinge alone turns there.
 
-With n_1, n_2 the normals, h_1, h_2 the heights of the faces above the edge and s_1, s_2 where these stand on it,
-d theta/dx is n_1/h_1 and n_2/h_2 at the far corners, and minus the shares 1 - s and s of both at the ends.
-The Hessian is k l of its square (Gauss-Newton). Sources: Bridson, Marino and Fedkiw 2003; Grinspun et al. 2003.
+With n_1, n_2 the normals, h_1, h_2 the heights of the faces above the edge and s_1, s_2 where these stand on
+it, d theta/dx is n_1/h_1 and n_2/h_2 at the far corners, and minus the shares 1 - s and s of both at the
+ends. The Hessian is k l of its square (Gauss-Newton). Sources: Bridson, Marino and Fedkiw 2003; Grinspun,
+Hirani, Desbrun and Schroeder 2003.
 """
 
 import numpy as np
@@ -40,7 +41,9 @@ class FoldHinges(ElementForce):
         if cloth.folds is None:
             return None
         hinges, lines = cloth.folds.hinges(cloth.faces, cloth.uv), cloth.folds.lines
-        stiffness, angle = (np.array([getattr(line, name) for line in lines]) for name in ("stiffness", "angle"))
+        stiffness, angle = (
+            np.array([getattr(line, name) for line in lines]) for name in ("stiffness", "angle")
+        )
         return cls(cloth.node[hinges.vertices], stiffness[hinges.line] * hinges.length, angle[hinges.line])
 
     def angles(self, x: Float) -> Float:
@@ -81,7 +84,9 @@ class FoldHinges(ElementForce):
         for corner, far, sign in ((2, c, 1.0), (3, d, -1.0)):
             normal = sign * np.cross(along, far - a)
             # the normal's length is the edge's times the height
-            slopes[:, corner] = normal * np.sqrt(squared) / np.maximum(row_dot(normal, normal), 1e-300)[:, None]
+            slopes[:, corner] = (
+                normal * np.sqrt(squared) / np.maximum(row_dot(normal, normal), 1e-300)[:, None]
+            )
             share = (row_dot(far - a, along))[:, None] / squared
             ends[0] -= (1.0 - share) * slopes[:, corner]
             ends[1] -= share * slopes[:, corner]

@@ -5,11 +5,11 @@ With e_u = |f_u| - 1 and e_v alike, taut cloth has the energy per rest area
     psi = F_u(e_u) + F_v(e_v) + c e_u e_v.
 
 F_u and F_v are such that cloth pulled along one thread and free along the other has the tension of its curve,
-T: F'(e) = T(e) + nu^2 / (1 - nu^2) T'(0) e and c = nu / (1 - nu^2) sqrt(T_u'(0) T_v'(0)), with nu the geometric
-mean of both Poisson's ratios. The share (1 - compression) of the energy is relaxed (Pipkin 1986): where psi
-would press along a thread, that thread gathers until nothing presses, and the cloth is pulled along the other
-alone or slack. Both parts have continuous first derivatives, and are convex where the slopes of the curves
-never fall below nu/(1 + nu) times the first.
+T: F'(e) = T(e) + nu^2 / (1 - nu^2) T'(0) e and c = nu / (1 - nu^2) sqrt(T_u'(0) T_v'(0)), with nu the
+geometric mean of both Poisson's ratios. The share (1 - compression) of the energy is relaxed (Pipkin 1986):
+where psi would press along a thread, that thread gathers until nothing presses, and the cloth is pulled along
+the other alone or slack. Both parts have continuous first derivatives, and are convex where the slopes of the
+curves never fall below nu/(1 + nu) times the first.
 """
 
 from math import sqrt
@@ -75,11 +75,11 @@ def stretch_laws(
     Where the stiffness of a face [N/m], shape (t,), is not that of its fabric, its curve is scaled alike.
     """
     number = np.full(len(fabrics), -1, np.int32)
-    spans, tables, first = [], list[Float](), 0
+    spans, tables, first = list[list[int]](), list[Float](), 0
     for index, some in enumerate(fabrics):
         if has_law(some):
             number[index] = len(spans)
-            span = []
+            span = list[int]()
             for table in curve_tables(some):
                 span += [first, first + len(table) - 1]
                 tables.append(table)
@@ -91,7 +91,12 @@ def stretch_laws(
     kind = fabric[faces]
     warp, weft, poisson = np.array([(f.stretch_warp, f.stretch_weft, f.poisson) for f in fabrics]).T
     shares = np.column_stack(
-        (stretch_warp[faces] / warp[kind], stretch_weft[faces] / weft[kind], poisson[kind], compression[faces])
+        (
+            stretch_warp[faces] / warp[kind],
+            stretch_weft[faces] / weft[kind],
+            poisson[kind],
+            compression[faces],
+        )
     )
     return StretchLaws(
         np.column_stack((faces, number[kind])), np.ascontiguousarray(np.concatenate(tables)),
@@ -169,7 +174,7 @@ def add_stretch_energies(laws, table, spans, shares, shape, faces, x, energy):  
 def add_stretch(  # type: ignore[no-untyped-def]
     laws, table, spans, shares, shape, faces, x, energy, gradient, hessian
 ):
-    """Add energies [J] (t,), gradients [N] (t, 3, 3) and, where `hessian` has rows, blocks (t, 6, 3, 3) [N/m].
+    """Add energies [J] (t,), gradients [N] (t, 3, 3) and, if `hessian` has rows, blocks [N/m] (t, 6, 3, 3).
 
     In (f_u, f_v) the Hessian is K_ij n_i n_j^T, with K the second derivatives in (e_u, e_v) and n the unit
     vectors along f, plus tension/|f| across f. K is projected on its positive part, and tension taken where

@@ -50,7 +50,9 @@ STATES = [(0.045, 0.03), (0.07, 0.2), (0.02, -0.1), (-0.1, 0.03), (-0.2, -0.1), 
 
 
 @pytest.mark.parametrize("state", STATES)
-@pytest.mark.parametrize("fabric", [CURVED, replace(CURVED, poisson=0.0, strain_limit=0.04, stretch_curve_weft=())])
+@pytest.mark.parametrize(
+    "fabric", [CURVED, replace(CURVED, poisson=0.0, strain_limit=0.04, stretch_curve_weft=())]
+)
 def test_derivatives_agree_with_differences(state: tuple[float, float], fabric: Fabric) -> None:
     membrane, x, size = membrane_of(fabric), stretched(*state), 1e-6
     membrane.evaluate(x)
