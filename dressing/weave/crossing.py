@@ -1,15 +1,15 @@
 """One crossing of a weave in equilibrium: how far it gives when warp and weft are pulled.
 
 A yarn changes sides over a share f of its crossings, where it rises by its wave height h over the spacing p
-(slope a = atan(h/p)), and lies flat over the rest: its length per crossing is l = f sqrt(p^2 + h^2) + (1 - f) p.
-With L its rest length, k_s and k_b its axial and bending stiffness, q the squares of its turns over a^2 and a_0
-its slope at rest, its energy is
+(slope a = atan(h/p)), and lies flat over the rest: l = f sqrt(p^2 + h^2) + (1 - f) p is its length per
+crossing. With L its rest length, k_s and k_b its axial and bending stiffness, q the squares of its turns over
+a^2 and a_0 its slope at rest, its energy is
 
     E = k_s L/2 (l/L - 1)^2 + k_b q/(2 L) (a - a_0)^2
 
 Warp and weft touch: their wave heights add up to the heights of both yarns (Peirce 1937). What one gains the
-other loses. The crossing minimises both energies less the work of the pull over the two spacings and the warp's
-wave height.
+other loses. The crossing minimises both energies less the work of the pull over the two spacings and the
+warp's wave height.
 """
 
 from typing import NamedTuple
@@ -84,7 +84,7 @@ def _slope(p: float, h: float) -> tuple[float, Float, Float]:
 
 
 def yarn_energy(system: System, p: float, h: float) -> tuple[float, Float, Float]:
-    """Return the energy of a yarn per crossing [J], its gradient and Hessian by spacing and wave height [m]."""
+    """Return the energy of a yarn per crossing [J], gradient and Hessian by spacing and wave height [m]."""
     rest, yarn = system.length, system.yarn
     length, dl, ddl = _length(p, h, system.interlacing.changes)
     slope, da, dda = _slope(p, h)

@@ -1,8 +1,8 @@
 """What fibres weigh and resist.
 
 Moduli are those of Morton and Hearle, Physical Properties of Textile Fibres (4th edition, 2008), table 13.1
-(Meredith 1945: Upper cotton, flax, viscose, Botany 64s wool, silk) and table 13.2 (Farrow and Ford: staple nylon
-6.6, polyester, acrylic). Densities and finenesses are typical values of the same fibres.
+(Meredith 1945: Upper cotton, flax, viscose, Botany 64s wool, silk) and table 13.2 (Farrow and Ford: staple
+nylon 6.6, polyester, acrylic). Densities and finenesses are typical values of the same fibres.
 """
 
 import math
@@ -31,7 +31,7 @@ class Fibre(NamedTuple):
 
     @property
     def bending(self) -> float:
-        """Bending stiffness of one fibre [N m^2], a round solid rod: E I = modulus fineness^2/(4 pi density)."""
+        """Bending stiffness of one fibre [N m^2], a round solid rod: modulus fineness^2/(4 pi density)."""
         return self.modulus * self.fineness**2 / (4.0 * math.pi * self.density)
 
 

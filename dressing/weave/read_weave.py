@@ -31,6 +31,13 @@ def read_weave(table: Mapping[str, Any]) -> Woven:
         raise InputError(f"yarn lacks {', '.join(missing)}", field="yarn")
     fibre = table.get("fibre")
     warp, weft = (_with_fibre(table.get(key, table["warp"]), fibre) for key in ("warp", "weft"))
+    try:
+        return _of(table, warp, weft)
+    except InputError as error:
+        raise InputError(f"yarn: {error}", field="yarn") from None
+
+
+def _of(table: Mapping[str, Any], warp: str, weft: str) -> Woven:
     return woven(
         warp, weft, ends=PER_CENTIMETRE * table["ends_per_cm"], picks=PER_CENTIMETRE * table["picks_per_cm"],
         weave=table.get("weave", "plain"), warp_wave=table.get("warp_wave", 0.5), set=table.get("set", 1.0),

@@ -31,9 +31,7 @@ def _from_above(cloth: Woven) -> list[str]:
     side = 264.0
     scale = side / (CROSSINGS * max(warp.spacing, weft.spacing))
     x0, y0 = MARGIN / 2, MARGIN
-    parts = [
-        f'<text x="{x0}" y="{MARGIN - 16}">from above, warp upright: {CROSSINGS} x {CROSSINGS}</text>'
-    ]
+    parts = [f'<text x="{x0}" y="{MARGIN - 16}">from above, warp upright: {CROSSINGS} x {CROSSINGS}</text>']
     ends, picks = cloth.top.shape
     wide, high = weft.spacing * scale, warp.spacing * scale
     thick = (warp.yarn.width * scale, weft.yarn.width * scale)

@@ -6,8 +6,8 @@ from toile.dressing.weave.woven import TENSIONS, Woven
 
 HONEST = (
     "Nothing is fitted. Typical counts give the areal density of measured cloth within a fifth, stretch and\n"
-    "shear in the right order. Bending is a lower bound, that of fibres which slide freely: measured worsted\n"
-    "and silk are as stiff, poplin four, denim six and canvas nine times. Yarns keep their height under load."
+    "shear in the right order. Bending is a lower bound, that of fibres that slide freely: measured worsted\n"
+    "and silk are as stiff, poplin four, denim six, canvas nine times."
 )
 CURVE = (10.0, 50.0, 100.0, 500.0)
 """Tensions at which strains are printed [N/m]."""

@@ -3,6 +3,7 @@
 import math
 import re
 import tomllib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,6 +13,7 @@ import pytest
 
 from toile.dressing.cli.main import main
 from toile.dressing.garment.fabrics import fabrics, invalid_field
+from toile.dressing.run.scene_file import load_scene
 from toile.dressing.weave.fibres import FIBRES
 from toile.dressing.weave.weave_picture import weave_svg
 from toile.dressing.weave.woven import TENSIONS, Woven, woven
@@ -146,3 +148,31 @@ def test_the_picture_shows_the_repeat() -> None:
     # Both yarns at 8 x 8 crossings, and the white ground.
     assert drawn.count("<rect") == 2 * 64 + 1
     assert weave_svg(found) == drawn
+
+
+def test_a_scene_names_a_fabric_by_its_yarn(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    yarn = 'yarn = { warp = "20tex", ends_per_cm = 25, picks_per_cm = 25, fibre = "cotton" }'
+    path.write_text(
+        f'[[garment]]\nsource = "tshirt"\nfabric = "mine"\n[fabric.mine]\n{yarn}\nfriction_body = 0.2\n'
+    )
+    made = load_scene(path).fabrics["mine"]
+    expected = cloth("cotton:20tex", 25, 25).fabric("mine")
+    assert made == replace(expected, friction_body=0.2)
+
+
+@pytest.mark.parametrize(
+    ("yarn", "message"),
+    [
+        ('{ warp = "20tex", ends_per_cm = 25 }', "yarn lacks picks_per_cm"),
+        ('{ warp = "20tex", ends_per_cm = 25, picks_per_cm = "x" }', "picks_per_cm of yarn must be a number"),
+        ('{ warp = "20tex", ends_per_cm = 25, picks_per_cm = 95 }', "weft yarns are 0.167 mm wide"),
+        ('{ warp = "20tex", ends = 25, picks_per_cm = 95 }', "ends_per_cm"),
+    ],
+)
+def test_a_scene_with_an_impossible_weave_says_where(yarn: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(f'[[garment]]\nsource = "tshirt"\nfabric = "mine"\n[fabric.mine]\nyarn = {yarn}\n')
+    with pytest.raises(InputError, match=re.escape(message)) as error:
+        load_scene(path)
+    assert "scene.toml, line 5" in str(error.value)
