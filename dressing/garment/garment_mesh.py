@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from toile.engine.cloth.fields.fields import Fields
     from toile.engine.cloth.fields.gas import Gas
     from toile.engine.cloth.fields.timed_pins import RunHold
+    from toile.engine.cloth.folds import Folds
     from toile.engine.cloth.origin import Origin
 
 
@@ -98,6 +99,9 @@ class GarmentMesh:
         Thickness of the cloth as the file shows it [m], whatever the fabric's is; None: it does not.
     panel_fabrics
         Fabric of panels that are of another than the garment, by their names.
+    folds
+        Part of every face between folds, numbered throughout the garment, and the folds, whose stiffness is
+        NaN where it is to be the fabric's; None: no panel is folded.
     notes
         What was noticed in the file, one sentence each.
     borders
@@ -137,6 +141,7 @@ class GarmentMesh:
     trims: "Trims | None" = None
     thickness: float | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    folds: "Folds | None" = None
     notes: tuple[str, ...] = ()
     borders: tuple[Border, ...] = ()
     attributes: Mapping[str, Float] = field(default_factory=dict)
