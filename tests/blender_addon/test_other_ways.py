@@ -18,6 +18,7 @@ def found(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[st
         ("unsaved", "save the .blend file first"),
         ("no avatar", "mark the body as avatar"),
         ("no garment", "mark one in its Physics properties"),
+        ("one-sided", "no consistent right side (a Moebius strip)"),
         ("inside", "pairs of triangles still cross"),
     ],
 )
@@ -30,6 +31,10 @@ def test_what_was_mended_is_said(found: dict[str, Any]) -> None:
 
 
 def test_faces_at_fault_are_selected(found: dict[str, Any]) -> None:
+    """Faces of the object: a strip of twelve quads, each two triangles for the engine."""
+    selected = found["selected"]
+    assert 0 < len(selected) <= 12 and set(selected) <= set(range(12))
+    assert "'My Shawl': " in found["one-sided"]
     assert 0 < found["inside selected"] < 36 and found["inside state"] == "failed"
 
 
