@@ -9,6 +9,7 @@ from scipy.sparse import csr_array, diags_array
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.roles import HANGS_FROM, SITS_ON
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.fields import Fields, Value
 from toile.engine.cloth.fields.paintings import VertexPainting
@@ -96,6 +97,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         origin=origin,
         goals=goals,
         handles=_handles(origin, led, [mesh for mesh, _ in garments]),
+        creases=Creases.of(fabrics, len(fabric_of)),
         folds=None if folds is None else _stiffened(folds, fabrics, fabric_of),
         gas=tuple(replace(gas, garment=k) for k, (mesh, _) in enumerate(garments) for gas in mesh.gas),
     )

@@ -257,6 +257,7 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         start_positions=start,
         origin=None if cloth.origin is None else cloth.origin.carried(transfer),
         folds=None if cloth.folds is None else cloth.folds.carried(transfer),
+        creases=None if cloth.creases is None else cloth.creases.carried(transfer.faces),
         timed_pins=tuple(pins.carried(transfer) for pins in cloth.timed_pins),
     )
     if cloth.fields is not None:

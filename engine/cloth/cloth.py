@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.edge_runs import EdgeRun
 from toile.engine.cloth.fields.fields import Fields
@@ -75,6 +76,8 @@ class Cloth:
         Which corners and faces of the garments' files all this was made of; None where nobody asks.
     folds
         Lines along which panels are folded at rest, or None.
+    creases
+        Curvature that its faces keep, or None.
     fields
         Values on regions that differ from their fabric's, or None.
     elastic
@@ -111,6 +114,7 @@ class Cloth:
     handles: csr_array | None = None
     origin: Origin | None = None
     folds: Folds | None = None
+    creases: Creases | None = None
     fields: Fields | None = None
     elastic: tuple[EdgeRun, ...] = ()
     holds: tuple[RunHold, ...] = ()

@@ -43,6 +43,10 @@ class Fabric:
         when the warp is pulled and of the warp when the weft is.
     bending_damping
         Time by which the damping of bending exceeds the rigidity, number for number [s].
+    crease_curvature
+        Curvature beyond which cloth in motion keeps a crease [1/m]: one over the radius; 0: it keeps none.
+    crease_hardening
+        How much that grows, per curvature kept.
 
     Raises InputError naming a field that is no finite number.
     """
@@ -65,6 +69,8 @@ class Fabric:
     strain_limit: float = 0.0
     poisson: float = 0.0
     bending_damping: float = 0.0
+    crease_curvature: float = 0.0
+    crease_hardening: float = 0.0
 
     if TYPE_CHECKING:
 
@@ -77,6 +83,7 @@ class Fabric:
             stretch_curve_warp: Sequence[Sequence[SupportsFloat]] = (),
             stretch_curve_weft: Sequence[Sequence[SupportsFloat]] = (), strain_limit: SupportsFloat = 0.0,
             poisson: SupportsFloat = 0.0, bending_damping: SupportsFloat = 0.0,
+            crease_curvature: SupportsFloat = 0.0, crease_hardening: SupportsFloat = 0.0,
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:

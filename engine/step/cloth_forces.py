@@ -12,6 +12,7 @@ from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.hold import SewingHolds
 from toile.engine.forces.laws.bend_damping import BendDamping
+from toile.engine.forces.laws.creasing_bending import CreasingBending
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
 from toile.engine.forces.laws.fold_hinges import FoldHinges
 from toile.engine.forces.laws.stretch_laws import has_law, stretch_laws
@@ -33,7 +34,7 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
     faces, per_face = cloth.face_nodes, cloth.per_face
     membrane = _membrane(cloth)
     bends = any(per_face(name).any() for name in ("bending_warp", "bending_weft", "bending_bias"))
-    bending = Bending.for_cloth(cloth) if bends else None
+    bending = (Bending if cloth.creases is None else CreasingBending).for_cloth(cloth) if bends else None
     damping = per_face("damping")
     sewn = len(cloth.stitches) > 0
     normals = vertex_normals(cloth.positions, faces) if sewn else None

@@ -100,6 +100,7 @@ for vertex, place in zip(garment.data.vertices, saved, strict=True):
     vertex.co = place
 
 # Faces of a strip with one side are named and selected.
+bpy.context.scene.toile.mode = "DRAPE"
 strip, count = [], 12
 for width in (-0.1, 0.1):
     for index in range(count):
