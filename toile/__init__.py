@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from toile.dressing.pattern.seam import EdgePart, Seam, read_seam
     from toile.dressing.run.air import Air
     from toile.dressing.run.dress import dress, resume
+    from toile.dressing.run.output import report_schema
     from toile.dressing.run.progress import ProgressState
     from toile.dressing.run.result import DressedGarment, Result
     from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
@@ -90,6 +91,7 @@ _HOME = {
     "read_seam": "toile.dressing.pattern.seam",
     "register_draft": "toile.dressing.pattern.drafts",
     "register_reader": "toile.dressing.garment.readers",
+    "report_schema": "toile.dressing.run.output",
     "resume": "toile.dressing.run.dress",
     "write_garmentcode": "toile.dressing.pattern.garmentcode_write",
 }
@@ -139,6 +141,7 @@ __all__ = [
     "read_seam",
     "register_draft",
     "register_reader",
+    "report_schema",
     "resume",
     "write_garmentcode",
 ]

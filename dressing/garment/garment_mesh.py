@@ -110,8 +110,11 @@ class GarmentMesh:
         Numbers of the file at material vertices by their names, shape (m,) each.
     fields
         Values on regions of it, or None.
-    elastic, holds, gas
-        Elastic along runs, places where a film holds it, and gas in it, as its only garment.
+    elastic, holds
+        Elastic along runs, and where a film holds it, as its only garment: each with the sides that it lies
+        on, pairs of material vertices (k, 2); None of a whole panel. Lines are set where it is placed.
+    gas
+        Gas in it.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -143,8 +146,8 @@ class GarmentMesh:
     borders: tuple[Border, ...] = ()
     attributes: Mapping[str, Float] = field(default_factory=dict)
     fields: "Fields | None" = None
-    elastic: "tuple[EdgeRun, ...]" = ()
-    holds: "tuple[RunHold, ...]" = ()
+    elastic: "tuple[tuple[EdgeRun, Int], ...]" = ()
+    holds: "tuple[tuple[RunHold, Int | None], ...]" = ()
     gas: "tuple[Gas, ...]" = ()
 
     def __post_init__(self) -> None:

@@ -153,7 +153,7 @@ def _followed(
     elif followed.cancelled:
         status = "cancelled"
     report = with_animation(
-        hung.report, status, followed.failure, followed.figures, stages,
+        hung.report, status, followed.failure, followed.figures, followed.end, stages,
         now().less(started),
     )  # fmt: skip
     return Result(

@@ -16,12 +16,13 @@ from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.output.earlier_run import FILM, FRAMES
+from toile.dressing.run.output.garment_figures import strain_figures, strain_percent
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
-from toile.dressing.wear.watch import TOP, is_off, strained_places
+from toile.dressing.wear.watch import TOP, garment_areas, is_off, strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.begin_holds import at_start
@@ -48,6 +49,8 @@ TIGHT = 0.4
 class Followed:
     """Outcome of a motion: garments and avatar at its end, why it ended early, figures, times.
 
+    `end` are the figures of the garments at its end, by keys of the report.
+
     `count` is the number of the film's frames: none where its lead-in failed.
     """
 
@@ -56,6 +59,7 @@ class Followed:
     failure: Failure | None
     cancelled: bool
     figures: dict[str, Any]
+    end: dict[str, Any]
     stages: dict[str, Spent]
     count: int
 
@@ -124,6 +128,7 @@ def follow(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
                 seconds=time.perf_counter() - started, max_frames=last,
                 doing="leading in" if frame.index < motion.lead else "",
+                phase="leading in" if frame.index < motion.lead else "film",
             )
         )  # fmt: skip
 
@@ -145,7 +150,7 @@ def follow(
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
-        figures=_figures(made, motion),
+        figures=_figures(made, motion), end=_end_figures(made, film, shown, hung),
         stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0),
     )  # fmt: skip
 
@@ -255,6 +260,38 @@ def _failure(made: FilmRecord, crossing: str, motion: VertexMotion) -> Failure |
         # The place is known of frames of this run; a film resumed after a crossing knows the frame only.
         return Failure(kind="crossing", message="triangles cross", where=crossing or motion.name(frame))
     return None
+
+
+def _end_figures(made: FilmRecord, film: Simulation, shown: "_Shown", hung: Hung) -> dict[str, Any]:
+    """Return how the garments are at the end of a film, by keys of the report."""
+    before, garments = hung.report, shown.garments
+    places = strained_places(film.cloth, garments, hung.place)
+    worst = max(before["intersections"]["worst_frame"], *map(sum, made.crossings))
+    gap = made.min_gap[-1]
+    counts = {
+        "nodes": sum(len(garment.positions) for garment in garments),
+        "faces": sum(len(garment.faces) for garment in garments),
+    }
+    return {
+        **{
+            key: before[key] | {"final": count, "max": max(before[key]["max"], count)}
+            for key, count in counts.items()
+        },
+        "intersections": {
+            "avatar": made.crossings[-1][0], "self": made.crossings[-1][1], "worst_frame": worst,
+        },
+        "min_gap_mm": 1e3 * gap if math.isfinite(gap) else None,
+        "strain_percent": strain_percent(garments) | {"over_50": [vars(place) for place in places]},
+        "garments": [
+            facts
+            | {"nodes": len(garment.positions), "faces": len(garment.faces)}
+            | {"area_m2": area}
+            | strain_figures(garment)
+            for facts, garment, area in zip(
+                before["garments"], garments, garment_areas(film.cloth, len(garments)), strict=True
+            )
+        ],
+    }  # fmt: skip
 
 
 def _figures(made: FilmRecord, motion: VertexMotion) -> dict[str, Any]:

@@ -27,6 +27,8 @@ from toile.dressing.run.kernels import (
 from toile.dressing.run.lead_in import HANGING, led_in
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.load_garment import load_garment, pinned_vertices
+from toile.dressing.run.output.garment_figures import strain_figures
+from toile.dressing.run.output.input_files import input_hashes
 from toile.dressing.run.report import RunSpent, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
@@ -106,6 +108,7 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
             _garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, sewing.cloth, strict=False)
         ],
         spent=RunSpent(total=now().less(started), io=reading.plus(sewing.reading), compile=loading),
+        inputs=input_hashes(scene),
     )
     return Hung(
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
@@ -336,4 +339,4 @@ def _garment_facts(garment: DressedGarment, mesh: GarmentMesh) -> dict[str, Any]
         "faces": len(garment.faces),
         "stitches": len(mesh.stitches),
         "minimum_angle_degrees": mesh.minimum_angle,
-    }
+    } | strain_figures(garment)

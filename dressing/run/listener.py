@@ -72,6 +72,7 @@ class Listener:
                     seconds=state.seconds,
                     seconds_left=left,
                     doing=state.doing,
+                    phase=state.phase,
                 )
             )
             return answer is not False and not self._interrupted()

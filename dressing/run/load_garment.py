@@ -116,7 +116,7 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         _check_foldable(garment)
         read = read_mesh_garment(
             source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
-            edge_length=edges.length, walls=garment.walls,
+            edge_length=edges.length, walls=garment.walls, attributes=parts.attributes,
         )  # fmt: skip
         return parts_on_mesh(read, parts, fps)
     is_drawn = (

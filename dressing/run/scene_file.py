@@ -22,7 +22,7 @@ Paths are relative to the scene file.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import MISSING, asdict, fields, replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
-from toile.dressing.garment.fabric_keys import FABRIC_KEYS
+from toile.dressing.garment.fabric_keys import FABRIC_KEYS, SUPPLIERS, supplied_values
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.pattern.fold_table import folds_of
@@ -374,16 +374,13 @@ class _SceneReader:
         if not isinstance(values, dict):
             raise self._error(place, f"fabric.{name} must be a table: write [fabric.{name}]")
         self._check_keys(values, "fabric", place)
-        base: dict[str, Any] = {}
-        if "like" in values:
-            if values["like"] not in fabrics():
-                raise self._error((*place, "like"), unknown_name("fabric", values["like"], fabrics()))
-            base = asdict(fabrics()[values["like"]])
-        given = {key: value for key, value in values.items() if key != "like"}
+        with self._placed(*place):
+            base = supplied_values(values)
+        given = {key: value for key, value in values.items() if key not in SUPPLIERS}
         needed = {entry.name for entry in fields(Fabric) if entry.default is MISSING} - {"name"}
         missing = sorted(needed - base.keys() - given.keys())
         if missing:
-            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
+            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them, like or yarn")
         try:
             return checked_fabric(Fabric(**{**base, **given, "name": name}))
         except InputError as error:

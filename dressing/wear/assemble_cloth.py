@@ -99,13 +99,32 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         handles=_handles(origin, led, [mesh for mesh, _ in garments]),
         creases=Creases.of(fabrics, len(fabric_of)),
         folds=None if folds is None else _stiffened(folds, fabrics, fabric_of),
-        elastic=tuple(
-            replace(run, garment=k) for k, (mesh, _) in enumerate(garments) for run in mesh.elastic
-        ),
-        holds=tuple(replace(hold, garment=k) for k, (mesh, _) in enumerate(garments) for hold in mesh.holds),
         gas=tuple(replace(gas, garment=k) for k, (mesh, _) in enumerate(garments) for gas in mesh.gas),
     )
-    return _with_fields(cloth, [mesh for mesh, _ in garments], offsets)
+    return _with_parts(cloth, [mesh for mesh, _ in garments], offsets)
+
+
+def _with_parts(cloth: Cloth, meshes: list[GarmentMesh], offsets: Int) -> Cloth:
+    """Return a cloth with what lies on edges of its garments, and their fields.
+
+    Their first material vertices are `offsets`.
+    """
+    if any(mesh.elastic or mesh.holds for mesh in meshes):
+        rest = cloth.rest_space
+        cloth = replace(
+            cloth,
+            elastic=tuple(
+                replace(run, garment=k, lines=rest[offsets[k] + sides])
+                for k, mesh in enumerate(meshes)
+                for run, sides in mesh.elastic
+            ),
+            holds=tuple(
+                replace(hold, garment=k, lines=None if sides is None else rest[offsets[k] + sides])
+                for k, mesh in enumerate(meshes)
+                for hold, sides in mesh.holds
+            ),
+        )
+    return _with_fields(cloth, meshes, offsets)
 
 
 def _with_fields(cloth: Cloth, meshes: list[GarmentMesh], offsets: Int) -> Cloth:
