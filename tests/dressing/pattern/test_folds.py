@@ -135,7 +135,7 @@ def test_a_fold_follows_a_drawn_line_of_both_halves() -> None:
 def test_laws_that_no_cloth_has_are_named(change: dict[str, object], said: str) -> None:
     values = {**vars(fabric("cotton-poplin")), **change}
     with pytest.raises(InputError, match=said):
-        checked_fabric(Fabric(**values))  # type: ignore[arg-type]
+        checked_fabric(Fabric(**values))
 
 
 def test_a_mesh_cannot_be_folded() -> None:
