@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import toile.engine.forces
-import toile.engine.forces.added
 import toile.engine.step.collisions
 from tests.engine.forces.force_cases import CASES
 from tests.engine.forces.moving_step import MovingStep
@@ -144,10 +143,10 @@ def test_collisions_meet_both_the_avatar_and_cloth_in_every_way() -> None:
 
 
 def test_every_class_of_forces_is_here() -> None:
-    # Laws of material have tests of their own: some act through other forces only.
-    rooms = (toile.engine.forces, toile.engine.forces.added)
     names = [
-        f"{room.__name__}.{found.name}" for room in rooms for found in pkgutil.iter_modules(room.__path__)
+        found.name
+        for found in pkgutil.walk_packages(toile.engine.forces.__path__, "toile.engine.forces.")
+        if not found.ispkg
     ]
     found: set[type] = set()
     for name in [*names, toile.engine.step.collisions.__name__]:
