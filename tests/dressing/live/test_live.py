@@ -128,7 +128,7 @@ def test_only_the_token_opens_the_page(server: LiveServer) -> None:
 
     address = f"ws://127.0.0.1:{server.port}/{server.token}/talk"
     with pytest.raises(InvalidStatus):
-        connect(address, origin="http://elsewhere.example")  # type: ignore[arg-type]
+        connect(address, origin="http://elsewhere.example")
 
 
 def test_a_page_that_lags_gets_fewer_frames_and_faults_are_said(server: LiveServer) -> None:
