@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.stretch_curve import tension_at
-from toile.engine.forces.laws.stretch_laws import curve_tables
+from toile.engine.cloth.stretch_curve import curve_tables, tension_at
 
 CURVES = ("stretch_curve_warp", "stretch_curve_weft")
 SAMPLES = 400

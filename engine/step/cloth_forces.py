@@ -2,6 +2,7 @@
 
 from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.stretch_curve import has_law
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
 from toile.engine.forces.added.keyed_membrane import KEYED, KeyedMembrane
@@ -15,7 +16,7 @@ from toile.engine.forces.laws.bend_damping import BendDamping
 from toile.engine.forces.laws.creasing_bending import CreasingBending
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
 from toile.engine.forces.laws.fold_hinges import FoldHinges
-from toile.engine.forces.laws.stretch_laws import has_law, stretch_laws
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.stitch import Stitches

@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.stretch_curve import limited, straight, through
+from toile.engine.cloth.stretch_curve import curve_tables, has_law
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_3, OUT_F64_4, helper, kernel
 
@@ -43,28 +43,6 @@ class StretchLaws(NamedTuple):
     table: Float
     spans: Int
     shares: Float
-
-
-def curve_tables(fabric: Fabric) -> tuple[Float, Float]:
-    """Return the tables of tension over strain along warp and weft of a fabric: see `stretch_curve`."""
-    tables = []
-    for stiffness, points in (
-        (fabric.stretch_warp, fabric.stretch_curve_warp), (fabric.stretch_weft, fabric.stretch_curve_weft),
-    ):  # fmt: skip
-        if points:
-            tables.append(through(points))
-        else:
-            # With Poisson's ratio the stiffness is that of cloth kept from contracting, as tables of fabrics
-            # have it; the curve is that of cloth free to do so.
-            free = stiffness * (1.0 - fabric.poisson**2)
-            tables.append(limited(free, fabric.strain_limit) if fabric.strain_limit else straight(free))
-    return tables[0], tables[1]
-
-
-def has_law(fabric: Fabric) -> bool:
-    """Tell whether a fabric stretches otherwise than in proportion, thread by thread."""
-    curved = fabric.stretch_curve_warp or fabric.stretch_curve_weft
-    return bool(curved) or fabric.strain_limit > 0.0 or fabric.poisson > 0.0
 
 
 def stretch_laws(
