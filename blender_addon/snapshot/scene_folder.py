@@ -178,6 +178,7 @@ def _scene_toml(
             "[[garment]]", f'source = "./{garment.stem}.npz"', f'name = "{garment.stem}"',
             f"fabric = {json.dumps(fabric, ensure_ascii=False)}",
         ]  # fmt: skip
+        lines += garment.fields_toml(scene.render.fps / scene.render.fps_base)
     for garment in seen:
         lines += _fabric_toml(garment.obj, scale)
     return "\n".join(lines) + "\n"

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.stretch_curve import curve_tables, tension_at
+from toile.engine.cloth.fabric_curves import curve_tables
+from toile.engine.cloth.stretch_curve import tension_at
 
 CURVES = ("stretch_curve_warp", "stretch_curve_weft")
 SAMPLES = 400

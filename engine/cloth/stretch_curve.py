@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import Float
 
 LOCKED = 20.0
@@ -63,28 +62,6 @@ def through(points: Sequence[Sequence[float]]) -> Float:
     third = (slope[:-1] + slope[1:] - 2.0 * secant) / width**2
     cubics = np.column_stack((slope[:-1], second, third))
     return _with_energies(strain, tension, [*cubics, [slope[-1], 0.0, 0.0]])
-
-
-def curve_tables(fabric: Fabric) -> tuple[Float, Float]:
-    """Return the tables of tension over strain along warp and weft of a fabric: see `stretch_curve`."""
-    tables = []
-    for stiffness, points in (
-        (fabric.stretch_warp, fabric.stretch_curve_warp), (fabric.stretch_weft, fabric.stretch_curve_weft),
-    ):  # fmt: skip
-        if points:
-            tables.append(through(points))
-        else:
-            # With Poisson's ratio the stiffness is that of cloth kept from contracting, as tables of fabrics
-            # have it; the curve is that of cloth free to do so.
-            free = stiffness * (1.0 - fabric.poisson**2)
-            tables.append(limited(free, fabric.strain_limit) if fabric.strain_limit else straight(free))
-    return tables[0], tables[1]
-
-
-def has_law(fabric: Fabric) -> bool:
-    """Tell whether a fabric stretches otherwise than in proportion, thread by thread."""
-    curved = fabric.stretch_curve_warp or fabric.stretch_curve_weft
-    return bool(curved) or fabric.strain_limit > 0.0 or fabric.poisson > 0.0
 
 
 def _with_energies(

@@ -7,8 +7,9 @@ from math import inf
 import numpy as np
 
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fabric_curves import curve_tables
 from toile.engine.cloth.flat_cloth import flat_cloth
-from toile.engine.cloth.stretch_curve import curve_tables, tension_at
+from toile.engine.cloth.stretch_curve import tension_at
 from toile.engine.forces.step_request import StepRequest
 from toile.studies.scenes.flat_meshes import KINDS, mesh
 from toile.studies.scenes.motion import free_stepper

@@ -26,6 +26,10 @@ def test_mistakes_are_named_in_one_line(found: dict[str, Any], case: str, messag
     assert message in found[case] and "\n" not in found[case] and "Traceback" not in found[case]
 
 
+def test_what_was_mended_is_said(found: dict[str, Any]) -> None:
+    assert found["degenerate"] == ["", "'My Shawl': 5 faces (1, 8, 9, 10, 17) are mended: no area"]
+
+
 def test_faces_at_fault_are_selected(found: dict[str, Any]) -> None:
     """Faces of the object: a strip of twelve quads, each two triangles for the engine."""
     selected = found["selected"]

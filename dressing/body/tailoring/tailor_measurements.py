@@ -20,6 +20,10 @@ ANKLES = 0.03, 0.10
 UNDERBUST = 0.35, 0.6
 """Where the ribs are narrowest on the way from the bust down to the waist: 0.57, 0.60 and 0.52 on three mean
 bodies."""
+HEEL_RISES = np.linspace(45.0, 60.0, 4)
+"""How steeply a tape from the heel to the instep may rise [degrees]."""
+INSIDE = np.array([0.0, 0.003, 0.003])
+"""From the corner of the heel into the foot [m]: a cut through a corner may miss it."""
 BUST_POINTS = 0.03, 0.075
 """Between which distances from the middle a bust point lies, in body heights."""
 HEAD = 0.88
@@ -33,7 +37,7 @@ class TailorMeasurements:
     Attributes
     ----------
     hip_bone, knee, ankle, heel, head, high_bust, underbust
-        Circumferences; high_bust just below the armpit, heel over the heel and the front of the ankle.
+        Circumferences; high_bust just below the armpit, heel over heel and instep.
     hip_bone_height, knee_height, ankle_height
         Levels above the floor.
     bust_span
@@ -124,18 +128,21 @@ def _leg(body: MeasuredBody, level: float) -> float:
 
 
 def _heel(body: MeasuredBody, ankle: float) -> float:
-    """Girth of the left foot over the heel and the front of the ankle at a height [m]; infinite without."""
-    leg = [section for section in level_cut(body.vertices, body.faces, ankle) if _is_left(body, section)]
+    """Girth of the left foot over the heel and the instep: the shortest around the heel, infinite without."""
     foot = body.vertices[(body.vertices[:, 1] < ankle) & (body.vertices[:, 0] > body.middle)]
-    if not leg or not len(foot):
+    if not len(foot):
         return float("inf")
-    front = np.array([leg[0].centre[0], ankle, leg[0].high[2]])
     # The corner of the heel: farthest down and back.
     back = foot[int((foot[:, 1] + foot[:, 2]).argmin())]
-    up, ahead = front[1] - back[1], front[2] - back[2]
-    normal = np.array([0.0, ahead, -up]) / np.hypot(up, ahead)
-    sections = cut(body.vertices, body.faces, 0.5 * (front + back), normal)
-    return max((one.girth for one in sections if _is_left(body, one)), default=float("inf"))
+    girths = [
+        section.girth
+        for rise in np.radians(HEEL_RISES)
+        for section in cut(
+            body.vertices, body.faces, back + INSIDE, np.array([0.0, np.cos(rise), -np.sin(rise)])
+        )
+        if _is_left(body, section)
+    ]
+    return min(girths, default=float("inf"))
 
 
 def _is_left(body: MeasuredBody, section: Section) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.stretch_curve import curve_tables, has_law
+from toile.engine.cloth.fabric_curves import curve_tables, has_law
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_3, OUT_F64_4, helper, kernel
 

@@ -89,6 +89,16 @@ bpy.context.view_layer.objects.active = garment
 bpy.ops.toile.clear()
 found["cleared"] = [list(garment.modifiers), cache.exists(), len(bpy.data.cache_files)]
 
+# Degenerate faces are mended, and that is said.
+bpy.context.scene.toile.mode = "DRAPE"
+corner = garment.data.polygons[9].vertices[0]
+saved = [vertex.co.copy() for vertex in garment.data.vertices]
+for vertex in garment.data.polygons[9].vertices:
+    garment.data.vertices[vertex].co = garment.data.vertices[corner].co
+found["degenerate"] = [message(bpy.ops.toile.dress), garment.toile.notes]
+for vertex, place in zip(garment.data.vertices, saved, strict=True):
+    vertex.co = place
+
 # Faces of a strip with one side are named and selected.
 bpy.context.scene.toile.mode = "DRAPE"
 strip, count = [], 12

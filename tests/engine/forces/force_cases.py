@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tests.engine.forces.added.shapes import ball
+from tests.engine.forces.laws.test_stretch_laws import CURVED
 from tests.engine.forces.moving_step import MovingStep
 from tests.engine.forces.test_bend import unrolled_corners
 from tests.engine.forces.test_untangle import bump, pair
@@ -22,7 +23,7 @@ from toile.engine.cloth.fields.timed_pins import TimedPins
 from toile.engine.cloth.goals import Goals
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
-from toile.engine.forces.added.keyed_membrane import KeyedMembrane
+from toile.engine.forces.added.keyed_membrane import KeyedCurvedMembrane, KeyedMembrane
 from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.added.timed_pull import TimedPull
 from toile.engine.forces.air_flow import AirFlow
@@ -44,6 +45,7 @@ from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
 from toile.engine.solve.hessian import Hessian
+from toile.engine.step.cloth_forces import cloth_forces
 from toile.engine.step.collisions import Collisions
 from toile.geometry.arrays import Float
 from toile.geometry.normals import vertex_normals
@@ -277,6 +279,20 @@ def keyed_membrane() -> Case:
     return Case(force, cloth.positions, cloth.positions * [1.1, 1.1, 1.0], request=request)
 
 
+def keyed_curved_membrane() -> Case:
+    """The same of a fabric with stretch curves and Poisson's ratio: at half a second it is half as stiff."""
+    cloth = sheet(CURVED)
+    values: dict[str, Value] = {
+        "rest_warp": Keyed((0.0, 1.0), (1.0, 0.96)), "stretch_weft": Keyed((0.0, 1.0), (600.0, 0.01)),
+    }  # fmt: skip
+    fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=(values,))
+    (force,) = (force for force in cloth_forces(replace(cloth, fields=fields), options())
+                if isinstance(force, KeyedCurvedMembrane))  # fmt: skip
+    request = replace(REQUEST, seconds=0.5)
+    x = shaken(1.02 * cloth.positions, 0.003)
+    return Case(force, cloth.positions, x, exact=False, request=request)
+
+
 def curved_membrane() -> Case:
     """Taut along both threads, on curves that are coupled."""
     curve = ((0.05, 1.0), (0.1, 4.0))
@@ -378,6 +394,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "gas": lambda: gas(Gas(garment=0, volume=5e-3)),
     "timed pins": timed_pull,
     "keyed membrane": keyed_membrane,
+    "keyed curved membrane": keyed_curved_membrane,
     "curved membrane": curved_membrane,
     "damping of bending": bend_damping,
     "bending that creases": creasing_bending,
