@@ -10,10 +10,10 @@ import pytest
 from tests.engine.step.test_only_what_is_asked import SLACK
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fabric_curves import curve_tables
 from toile.engine.cloth.flat_cloth import flat_cloth
 from toile.engine.cloth.stretch_curve import LOCKED, limited, tension_at, through
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
-from toile.engine.cloth.fabric_curves import curve_tables
 from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
