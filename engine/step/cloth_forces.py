@@ -4,7 +4,7 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
-from toile.engine.forces.added.keyed_membrane import KEYED, KeyedMembrane
+from toile.engine.forces.added.keyed_membrane import KEYED, KeyedCurvedMembrane, KeyedMembrane
 from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.added.timed_pull import TimedPull
 from toile.engine.forces.bend import Bending
@@ -15,7 +15,7 @@ from toile.engine.forces.laws.bend_damping import BendDamping
 from toile.engine.forces.laws.creasing_bending import CreasingBending
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
 from toile.engine.forces.laws.fold_hinges import FoldHinges
-from toile.engine.forces.laws.stretch_laws import has_law, stretch_laws
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.stitch import Stitches
@@ -24,7 +24,6 @@ from toile.engine.step.collisions import Collisions
 from toile.engine.step.nodes import Nodes
 from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
-from toile.geometry.errors import InputError
 from toile.geometry.normals import vertex_normals
 from toile.geometry.stage_clock import StageClock
 
@@ -61,20 +60,14 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
 
 def _membrane(cloth: Cloth) -> Membrane:
     """Return the membrane of a cloth, with its fields."""
-    if cloth.fields is not None and cloth.fields.is_keyed(KEYED):
-        curved = next((fabric for fabric in cloth.fabrics if has_law(fabric)), None)
-        if curved is not None:
-            raise InputError(
-                f"fabric '{curved.name}' has a stretch curve, a strain limit or poisson, and stretch is "
-                "keyed over the film; leave out one of them",
-                field="field",
-            )
-        return KeyedMembrane(cloth)
+    keyed = cloth.fields is not None and cloth.fields.is_keyed(KEYED)
     per_face = cloth.per_face
     faces, corners = cloth.face_nodes, cloth.natural_corners
     stretch, shear = (per_face("stretch_warp"), per_face("stretch_weft")), per_face("shear")
     compression = per_face("compression")
     laws = stretch_laws(cloth.fabrics, cloth.fabric, *stretch, compression)
+    if keyed:
+        return KeyedMembrane(cloth) if laws is None else KeyedCurvedMembrane(cloth, laws)
     if laws is None:
         return Membrane(faces, corners, *stretch, shear, compression)
     return CurvedMembrane(faces, corners, stretch, shear, compression, laws)

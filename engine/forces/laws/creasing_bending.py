@@ -1,7 +1,7 @@
 """Bending of cloth that keeps creases: plastic curvature with a yield and linear hardening.
 
-With kappa the curvature (uu, vv, uv) of a face along its normal and kappa_p what it keeps, the elastic energy is
-that of `Bending` with kappa_p for a rest shape. Where kappa_e = kappa - kappa_p grows beyond the yield,
+With kappa the curvature (uu, vv, uv) of a face along its normal and kappa_p what it keeps, the elastic energy
+is that of `Bending` with kappa_p for a rest shape. Where kappa_e = kappa - kappa_p grows beyond the yield,
 
     |kappa_e| > kappa_y + H w,     |k|^2 = k . D k / ((D11 + D22)/2),
 
