@@ -1,4 +1,4 @@
-"""The curves of tension of a fabric, as tables; no kernels here, so that fabrics are checked without numba."""
+"""The curves of tension of a fabric, as tables; without kernels: fabrics are checked without numba."""
 
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.stretch_curve import limited, straight, through
