@@ -60,7 +60,7 @@ def _dress_cast(context: Any, cast: Cast, run: Run | None) -> Steps:
                 return
             job = dressed.begin(folder)
             if run is not None:
-                run.notes += [f"'{name}' {THICKENED}" for name in job["thickened"]]
+                run.notes += [*job["notes"], *(f"'{name}' {THICKENED}" for name in job["thickened"])]
                 run.notes += [
                     f"'{entry['name']}': attribute '{name}' does not follow: its type cannot be carried"
                     for entry in job["garments"] for name in entry["left_behind"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from toile.blender_addon.dressing import draft_steps, dress_body_steps, dress_steps
@@ -218,6 +218,39 @@ class TOILE_OT_set_role(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class TOILE_OT_add_field(bpy.types.Operator):
+    """Let a value of the fabric differ from place to place, or change with the animation."""
+
+    bl_idname, bl_label, bl_options = "toile.add_field", "Add Field", {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a garment."""
+        return context.object is not None and context.object.toile.role == "GARMENT"
+
+    def execute(self, context: Any) -> set[str]:
+        """Add it."""
+        context.object.toile.fields.add()
+        return {"FINISHED"}
+
+
+class TOILE_OT_remove_field(bpy.types.Operator):
+    """Remove a field of the garment."""
+
+    bl_idname, bl_label, bl_options = "toile.remove_field", "Remove Field", {"REGISTER", "UNDO"}
+    __annotations__ = {"index": IntProperty(min=0)}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need fields."""
+        return context.object is not None and len(context.object.toile.fields) > 0
+
+    def execute(self, context: Any) -> set[str]:
+        """Remove it."""
+        context.object.toile.fields.remove(self.index)
+        return {"FINISHED"}
+
+
 class _OnGarment:
     """An operator on a garment that shows frames."""
 
@@ -257,7 +290,7 @@ class TOILE_OT_clear(_OnGarment, bpy.types.Operator):
 
 CLASSES = (
     TOILE_OT_dress, TOILE_OT_dress_body, TOILE_OT_add_pattern, TOILE_OT_import_pattern, TOILE_OT_cancel,
-    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear,
+    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear, TOILE_OT_add_field, TOILE_OT_remove_field,
 )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """Panels: in the Physics tab, where Blender's own cloth is, and a short one beside the 3-D view."""
 
 from textwrap import wrap
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 
@@ -104,6 +104,33 @@ class TOILE_PT_fabric(_Physics, bpy.types.Panel):
                 column.prop(own, name)
 
 
+class TOILE_PT_fields(_Physics, bpy.types.Panel):
+    """Values of a garment that are painted, or change with the animation."""
+
+    bl_idname, bl_label, bl_parent_id = "TOILE_PT_fields", "Fields", "TOILE_PT_physics"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a garment."""
+        return context.object is not None and context.object.toile.role == "GARMENT"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout = self.layout
+        for index, field in enumerate(context.object.toile.fields):
+            box = layout.box()
+            row = box.row(align=True)
+            row.prop(field, "quantity", text="")
+            row.operator("toile.remove_field", text="", icon="X").index = index
+            box.prop_search(field, "source", context.object, "vertex_groups")
+            row = box.row(align=True)
+            if field.source:
+                row.prop(field, "low")
+            row.prop(field, "high", text="At 1" if field.source else "Value")
+        layout.operator("toile.add_field", icon="ADD")
+
+
 class TOILE_PT_scene(_Physics, bpy.types.Panel):
     """Settings of the scene."""
 
@@ -143,4 +170,4 @@ class TOILE_PT_view(bpy.types.Panel):
         draw_run(layout, context)
 
 
-CLASSES = (TOILE_PT_physics, TOILE_PT_fabric, TOILE_PT_scene, TOILE_PT_view)
+CLASSES = (TOILE_PT_physics, TOILE_PT_fabric, TOILE_PT_fields, TOILE_PT_scene, TOILE_PT_view)

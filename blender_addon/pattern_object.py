@@ -10,7 +10,7 @@ import numpy as np
 from toile.blender_addon.snapshot.avatar_snapshot import STILL
 from toile.blender_addon.snapshot.cast import roles
 from toile.blender_addon.snapshot.garment_snapshot import HELD
-from toile.blender_addon.snapshot.space import moved, to_engine
+from toile.blender_addon.snapshot.space import Space, moved
 
 UV = "UVMap"
 DECIDES = ("quality", "edge_length", "source")
@@ -40,7 +40,7 @@ def pattern_object(context: Any, path: Path, name: str, into: Any = None) -> Any
     with np.load(path) as data:
         arrays = {key: data[key] for key in data.files}
     obj = into or bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    matrix = to_engine(obj.matrix_world if into else np.eye(4), context.scene)
+    matrix = Space.upright(context.scene).of(obj.matrix_world if into else np.eye(4))
     local = moved(np.asarray(np.linalg.inv(matrix), np.float64), arrays["vertices"])
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(local.tolist(), arrays["stitches"].tolist(), arrays["faces"].tolist())

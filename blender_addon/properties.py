@@ -5,6 +5,7 @@ from typing import Any
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     IntProperty,
@@ -58,6 +59,30 @@ def _is_mesh(self: Any, obj: Any) -> bool:
     return bool(obj.type == "MESH")
 
 
+QUANTITIES = (*OWN_VALUES, "thickness", "damping", "rest_warp", "rest_weft", "pressure", "pull")
+"""What a field of an object may set."""
+
+
+class TOILE_PG_field(bpy.types.PropertyGroup):
+    """A value of the fabric that is painted, or that changes with the animation."""
+
+    __annotations__ = _overridable({
+        "quantity": EnumProperty(
+            name="Quantity", default="stretch_warp",
+            items=[(name, name.replace("_", " ").capitalize(), "") for name in QUANTITIES],
+        ),
+        "source": StringProperty(
+            name="Painted By",
+            description="Vertex group, or attribute of points, from 0 to 1; empty: the same everywhere",
+        ),
+        "low": FloatProperty(name="At 0", description="Value where it is painted 0", precision=4),
+        "high": FloatProperty(
+            name="At 1", default=1.0, precision=4,
+            description="Value where it is painted 1, or everywhere; keyframes count if nothing is painted",
+        ),
+    })  # fmt: skip
+
+
 class TOILE_PG_object(bpy.types.PropertyGroup):
     """The role of an object, and its settings as a garment."""
 
@@ -107,6 +132,7 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
         ),
         "pattern": StringProperty(name="Pattern", description="What it was drafted of"),
         "draft_key": StringProperty(name="Draft", description="What its draft depends on"),
+        "fields": CollectionProperty(type=TOILE_PG_field, name="Fields"),
         "state": StringProperty(name="State"),
         "notes": StringProperty(name="Notes", description="What was said in the last run, line by line"),
         "draft_frame": IntProperty(

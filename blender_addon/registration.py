@@ -3,9 +3,9 @@
 import bpy
 
 from toile.blender_addon import operators, panels
-from toile.blender_addon.properties import TOILE_PG_object, TOILE_PG_scene
+from toile.blender_addon.properties import TOILE_PG_field, TOILE_PG_object, TOILE_PG_scene
 
-CLASSES = (TOILE_PG_object, TOILE_PG_scene, *operators.CLASSES, *panels.CLASSES)
+CLASSES = (TOILE_PG_field, TOILE_PG_object, TOILE_PG_scene, *operators.CLASSES, *panels.CLASSES)
 
 HANDLERS = {"load_pre": operators.stop, "load_post": operators.loaded, "save_post": operators.saved}
 

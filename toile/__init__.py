@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from toile.dressing.garment.readers import register_reader
     from toile.dressing.pattern.drafts import register_draft
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
-    from toile.dressing.pattern.pattern import Edge, Panel, Pattern, Stitch
+    from toile.dressing.pattern.pattern import Edge, Fold, Panel, Pattern, Stitch
     from toile.dressing.pattern.seam import EdgePart, Seam, read_seam
     from toile.dressing.run.air import Air
     from toile.dressing.run.dress import dress, resume
@@ -59,6 +59,7 @@ _HOME = {
     "Fabric": "toile.engine.cloth.fabric",
     "Field": "toile.dressing.garment.fields.field",
     "Filling": "toile.dressing.garment.fields.field",
+    "Fold": "toile.dressing.pattern.pattern",
     "Garment": "toile.dressing.run.scene",
     "GarmentMesh": "toile.dressing.garment.garment_mesh",
     "Hold": "toile.dressing.garment.fields.field",
@@ -108,6 +109,7 @@ __all__ = [
     "Fabric",
     "Field",
     "Filling",
+    "Fold",
     "Garment",
     "GarmentMesh",
     "Hold",

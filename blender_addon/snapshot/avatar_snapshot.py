@@ -11,7 +11,7 @@ from toile.blender_addon.snapshot.cast import AvatarPart, placed
 from toile.blender_addon.snapshot.garment_snapshot import evaluated
 from toile.blender_addon.snapshot.mesh_arrays import positions, triangles
 from toile.blender_addon.snapshot.open_sheet import OpenSheets
-from toile.blender_addon.snapshot.space import moved, to_engine
+from toile.blender_addon.snapshot.space import Space, moved
 from toile.dressing.files.writers.ply import ply_bytes
 from toile.geometry.arrays import Float, Int
 
@@ -24,8 +24,8 @@ class AvatarSnapshot:
     `thickened` names the objects that are open sheets, and got a solid below them.
     """
 
-    def __init__(self, parts: tuple[AvatarPart, ...], scene: Any) -> None:
-        self._parts, self._scene = parts, scene
+    def __init__(self, parts: tuple[AvatarPart, ...], scene: Any, space: Space) -> None:
+        self._parts, self._scene, self._space = parts, scene, space
         self._counts: list[int] = []
         self._sheets: list[OpenSheets] = []
         self.faces: Int = np.empty((0, 3), np.int32)
@@ -37,7 +37,7 @@ class AvatarSnapshot:
         for obj, matrix in placed(self._parts, depsgraph):
             with evaluated(obj, depsgraph) as mesh:
                 faces = triangles(mesh)[0]
-                points = moved(to_engine(matrix, self._scene), positions(mesh))
+                points = moved(self._space.of(matrix), positions(mesh))
                 is_closed = 2 * len(mesh.edges) == len(mesh.loops)
             self._counts.append(len(points))
             if np.linalg.det(matrix[:3, :3]) < 0.0:
@@ -77,7 +77,7 @@ class AvatarSnapshot:
                     frame = self._scene.frame_current
                     raise Problem(f"'{obj.name}' changes its number of vertices in frame {frame}; an avatar "
                                   "keeps its mesh while it moves")  # fmt: skip
-                found.append(sheets.with_below(moved(to_engine(matrix, self._scene), positions(mesh))))
+                found.append(sheets.with_below(moved(self._space.of(matrix), positions(mesh))))
         return np.concatenate(found)
 
 

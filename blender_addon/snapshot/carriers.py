@@ -16,7 +16,7 @@ Key = tuple[str, str, str]
 """Domain, type and name of an attribute."""
 
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-SPECIAL = ("st", "displayColor", "displayOpacity", "normals", "velocity", "velocities", "sharp_face")
+SPECIAL = ("st", "displayColor", "displayOpacity", "normals", "velocity", "velocities")
 """Names that mean something to the reader."""
 TRAVELS_AS = {
     "FLOAT": "FLOAT", "INT": "INT", "BOOLEAN": "BOOLEAN", "FLOAT_VECTOR": "FLOAT_VECTOR",

@@ -169,9 +169,18 @@ def placed(parts: tuple[AvatarPart, ...], depsgraph: Any) -> list[tuple[Any, Any
 
 
 def _instanced(context: Any) -> list[AvatarPart]:
-    """Return the instances of mesh objects that play a role."""
+    """Return the instances of mesh objects of collections that play a role."""
+    depsgraph = context.evaluated_depsgraph_get()
+    holders = (obj for obj in context.view_layer.objects if obj.instance_type == "COLLECTION")
+    # A scene may have a hundred thousand instances of grass.
+    if not any(
+        obj.type == "MESH" and obj.toile.role != "NONE"
+        for collection in {holder.instance_collection for holder in holders} - {None}
+        for obj in collection.all_objects
+    ):
+        return []
     found = {}
-    for instance in context.evaluated_depsgraph_get().object_instances:
+    for instance in depsgraph.object_instances:
         if instance.is_instance and instance.object.type == "MESH":
             obj = instance.object.original
             if obj.toile.role != "NONE":

@@ -38,7 +38,7 @@ def loop_vertices(mesh: Any) -> Int:
 def triangles(mesh: Any) -> tuple[Int, Int, Int]:
     """Vertices and loops of the triangles, shape (t, 3), and the polygon of each, shape (t,).
 
-    Quads are split here: how Blender does it depends on what it has cached.
+    Triangles are ordered by their vertices. Quads are split here: how Blender does it depends on its cache.
     """
     loop_vertex = loop_vertices(mesh)
     start: Int = np.empty(len(mesh.polygons), np.int32)
@@ -58,19 +58,21 @@ def triangles(mesh: Any) -> tuple[Int, Int, Int]:
         larger = total[owner] > 4
         loops.append(many.reshape(-1, 3)[larger])
         polygon.append(owner[larger])
-    owner = np.concatenate(polygon)
-    order = np.argsort(owner, kind="stable")
-    corner = np.concatenate(loops)[order]
+    owner, corner = np.concatenate(polygon), np.concatenate(loops)
+    # Blender orders the faces of some meshes, such as its spheres, anew in every process.
+    order = np.lexsort(loop_vertex[corner].T[::-1])
+    corner = corner[order]
     return loop_vertex[corner], corner, owner[order]
 
 
 def loose_edges(mesh: Any) -> Int:
-    """Vertex pairs of edges without a face, shape (s, 2)."""
+    """Vertex pairs of edges without a face, shape (s, 2), ordered by their vertices."""
     count = len(mesh.edges)
     loose, ends = np.empty(count, np.bool_), np.empty(2 * count, np.int32)
     mesh.edges.foreach_get("is_loose", loose)
     mesh.edges.foreach_get("vertices", ends)
-    return ends.reshape(-1, 2)[loose]
+    pairs = np.sort(ends.reshape(-1, 2)[loose], axis=1)
+    return pairs[np.lexsort(pairs.T[::-1])]
 
 
 def add_group_weights(mesh: Any, first: int, count: int, weights: npt.NDArray[np.float32]) -> None:

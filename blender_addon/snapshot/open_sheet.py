@@ -78,21 +78,23 @@ class OpenSheets:
 
 def _parts(faces: Int, count: int) -> Int:
     """Return a number for every vertex, the same for those that faces connect."""
-    label = np.arange(count, dtype=np.int64)
+    label = np.arange(count, dtype=np.int32)
     while True:
-        least = label[faces].min(axis=1)
-        after = label.copy()
-        np.minimum.at(after, faces.ravel(), np.repeat(least, 3))
-        after = after[after]
-        if np.array_equal(after, label):
-            return label.astype(np.int32)
-        label = after
+        root = label[faces]
+        least = root.min(axis=1)
+        if (root == least[:, None]).all():
+            return label
+        # The least of what a face joins becomes the root of all of it.
+        np.minimum.at(label, root.ravel(), np.repeat(least, 3))
+        while not np.array_equal(label, label[label]):
+            label = label[label]
 
 
 def _border(faces: Int) -> Int:
     """Return the edges (b, 2) that only one face has, as it runs along them."""
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, first, times = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    low, high = np.sort(edges.astype(np.int64), axis=1).T
+    _, first, times = np.unique(low * (int(faces.max()) + 1) + high, return_index=True, return_counts=True)
     return np.asarray(edges[np.sort(first[times == 1])])
 
 
@@ -105,14 +107,11 @@ def _area_vectors(points: Float, faces: Int) -> tuple[Float, Float]:
 
 def _is_sheet(points: Float, faces: Int) -> bool:
     """Whether a connected surface has a border, is nearly flat and not a wall with two sides."""
-    if not len(_border(faces)):
-        return False
     normals, areas = _area_vectors(points, faces)
-    if np.linalg.norm(normals.sum(axis=0)) > FLAT * areas.sum():
-        return True
-    ways = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    spread = normals.T @ (normals / np.maximum(areas, 1e-30)[:, None])
+    looks_one_way = np.linalg.norm(normals.sum(axis=0)) > FLAT * areas.sum()
     # Faces that look to both sides of a flat sheet cancel in the sum.
-    return len(np.unique(ways, axis=0)) < len(ways) and bool(
-        np.linalg.eigvalsh(spread)[-1] > FLAT * areas.sum()
-    )
+    spread = normals.T @ (normals / np.maximum(areas, 1e-30)[:, None])
+    if np.linalg.eigvalsh(spread)[-1] <= FLAT**2 * areas.sum() or not len(_border(faces)):
+        return False
+    ways = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return bool(looks_one_way) or len(np.unique(ways, axis=0)) < len(ways)

@@ -15,8 +15,8 @@ from toile.blender_addon.properties import NOT_DRAFTED, OWN_VALUES
 from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
 from toile.blender_addon.snapshot.cast import Cast
 from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
-from toile.blender_addon.snapshot.space import Y_UP, metres_per_unit
-from toile.blender_addon.snapshot.wind import air_toml
+from toile.blender_addon.snapshot.space import Space, metres_per_unit
+from toile.blender_addon.snapshot.wind import Weather
 from toile.dressing.files.writers.npz_motion import MotionWriter
 from toile.geometry.arrays import Float
 
@@ -52,22 +52,23 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
     with fed_by_modifiers_above(garments):
         try:
             writer: MotionWriter | None = None
-            air: list[str] = []
             for frame in frames:
                 if travels:
                     scene.frame_set(frame)
                 depsgraph = context.evaluated_depsgraph_get()
                 if body is None:
-                    body = AvatarSnapshot(cast.avatars, scene)
-                    air = air_toml(scene) if films else []
+                    space = Space.upright(scene) if pattern is not None else Space.falling(scene)
+                    weather = Weather(scene, space, films=films)
+                    body = AvatarSnapshot(cast.avatars, scene, space)
                     for _ in body.read(depsgraph):
                         yield "reading the avatar"
                     for obj, stem in zip(garments, stems(garments), strict=True):
-                        seen.append(GarmentSnapshot(obj, stem, scene, folder, len(frames)))
+                        seen.append(GarmentSnapshot(obj, stem, space, folder, len(frames)))
                         for _ in seen[-1].read(context.evaluated_depsgraph_get()):
                             yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
+                weather.see(scene)
                 if films and frame == frames[0]:
                     _check_drafts(context, body, vertices, [garment.obj for garment in seen])
                 for garment in seen:
@@ -87,12 +88,13 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
     for garment in seen:
         garment.write(fps)
         yield f"reading {garment.obj.name}"
-    text = _scene_toml(scene, films, seen, pattern, air)
+    text = _scene_toml(scene, weather, films, seen, pattern)
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     job = {
         "first_frame": frames[0],
         "sequence": films,
-        "turn": Y_UP.tolist(),
+        "turn": space.turn.tolist(),
+        "notes": weather.notes(),
         "avatars": [part.obj.name for part in cast.avatars],
         "thickened": [] if body is None else body.thickened,
         "garments": [_entry(garment, text) for garment in seen],
@@ -154,20 +156,19 @@ def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
 
 
 def _scene_toml(
-    scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: str | None, air: list[str]
+    scene: Any, weather: Weather, films: bool, seen: list[GarmentSnapshot], pattern: str | None
 ) -> str:
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
     lines = [f'quality = "{settings.quality}"']
-    gravity = max(-scene.gravity[2], 0.0) if scene.use_gravity else 0.0
-    lines.append(f"gravity = {gravity:.6f}")
+    lines += weather.lines
     if settings.size_min > 0.0:
         lines.append(f"edge_length = {scale * settings.size_min:.6f}")
     if not settings.use_remesh:
         lines.append("remesh = false")
     elif settings.size_max > 0.0:
         lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
-    lines += air
+    lines += weather.air
     lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
     if pattern is not None:
         lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]
@@ -177,6 +178,7 @@ def _scene_toml(
             "[[garment]]", f'source = "./{garment.stem}.npz"', f'name = "{garment.stem}"',
             f"fabric = {json.dumps(fabric, ensure_ascii=False)}",
         ]  # fmt: skip
+        lines += garment.fields_toml(scene.render.fps / scene.render.fps_base)
     for garment in seen:
         lines += _fabric_toml(garment.obj, scale)
     return "\n".join(lines) + "\n"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.fabric import add_fabric
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
     BAD_INPUT,
@@ -128,6 +129,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
+    add_fabric(commands)
     add_pattern(commands)
     add_view(commands)
     add_batch(commands)

@@ -45,6 +45,11 @@ LIMITS = {
     "shear": Limits(0.0, 1e6, (1.0, 2e5), (("kN/m", 1e3), ("N/mm", 1e3), ("mN/m", 1e-3)), "N/m"),
     "compression": Limits(0.0, 1.0, (0.0, 1.0), (("percent", 0.01),)),
     "damping": Limits(0.0, 10.0, (0.0, 1.0), (("ms", 1e-3),), "s"),
+    "bending_damping": Limits(0.0, 10.0, (0.0, 1.0), (("ms", 1e-3),), "s"),
+    "crease_curvature": Limits(0.0, 1e5, (50.0, 1e4), (("1/mm", 1e3),), "1/m"),
+    "crease_hardening": Limits(0.0, 1e3),
+    "strain_limit": Limits(0.0, 0.999, (0.01, 0.5), (("percent", 0.01),)),
+    "poisson": Limits(0.0, 0.99),
     "friction_body": _FRICTION,
     "friction_self": _FRICTION,
 }

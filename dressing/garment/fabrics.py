@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabric_limits import wrong_number
+from toile.dressing.garment.stretch_check import CURVES, unlike_cloth, wrong_curve
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 
@@ -53,10 +54,12 @@ def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
     """Return the first field that no cloth has and what is wrong with it, or None if the fabric is fine."""
     for entry in fields(fabric):
         if entry.name != "name":
-            wrong = wrong_number(entry.name, getattr(fabric, entry.name))
+            value = getattr(fabric, entry.name)
+            is_curve = entry.name in CURVES
+            wrong = wrong_curve(value) if is_curve else wrong_number(entry.name, value)
             if wrong is not None:
                 return entry.name, wrong
-    return None
+    return unlike_cloth(fabric)
 
 
 def checked_fabric(fabric: Fabric) -> Fabric:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from toile.engine.cloth.fields.fields import Fields
     from toile.engine.cloth.fields.gas import Gas
     from toile.engine.cloth.fields.timed_pins import RunHold
+    from toile.engine.cloth.folds import Folds
     from toile.engine.cloth.origin import Origin
 
 
@@ -98,6 +99,9 @@ class GarmentMesh:
         Thickness of the cloth as the file shows it [m], whatever the fabric's is; None: it does not.
     panel_fabrics
         Fabric of panels that are of another than the garment, by their names.
+    folds
+        Part of every face between folds, numbered throughout the garment, and the folds, whose stiffness is
+        NaN where it is to be the fabric's; None: no panel is folded.
     notes
         What was noticed in the file, one sentence each.
     borders
@@ -106,8 +110,11 @@ class GarmentMesh:
         Numbers of the file at material vertices by their names, shape (m,) each.
     fields
         Values on regions of it, or None.
-    elastic, holds, gas
-        Elastic along runs, places where a film holds it, and gas in it, as its only garment.
+    elastic, holds
+        Elastic along runs, and where a film holds it, as its only garment: each with the sides that it lies
+        on, pairs of material vertices (k, 2); None of a whole panel. Lines are set where it is placed.
+    gas
+        Gas in it.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -134,12 +141,13 @@ class GarmentMesh:
     trims: "Trims | None" = None
     thickness: float | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    folds: "Folds | None" = None
     notes: tuple[str, ...] = ()
     borders: tuple[Border, ...] = ()
     attributes: Mapping[str, Float] = field(default_factory=dict)
     fields: "Fields | None" = None
-    elastic: "tuple[EdgeRun, ...]" = ()
-    holds: "tuple[RunHold, ...]" = ()
+    elastic: "tuple[tuple[EdgeRun, Int], ...]" = ()
+    holds: "tuple[tuple[RunHold, Int | None], ...]" = ()
     gas: "tuple[Gas, ...]" = ()
 
     def __post_init__(self) -> None:

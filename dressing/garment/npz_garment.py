@@ -93,25 +93,24 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         raise InputError(f"{path}: no face has an area; export the garment again", file=path, field="faces")
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
-    if births:
-        mesh = replace(mesh, origin=_of_the_file(mesh.origin, births))
-        assert mesh.origin is not None
+    origin = _of_the_file(mesh.origin, births) if births else mesh.origin
     pins = _pins(path, held)
     labels = {
-        key.removeprefix(HELD): _whole(mesh.origin, np.isin(corner_vertex, held[key]))
+        key.removeprefix(HELD): _whole(origin, np.isin(corner_vertex, held[key]))
         for key in held
         if key.startswith(HELD)
     }
     mesh = replace(
         mesh,
         notes=notes,
-        pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
-        pull=_pull(path, held, pins, mesh.origin, corner_vertex),
+        origin=origin,
+        pinned=_whole(origin, pins[corner_vertex] == 1.0),
+        pull=_pull(path, held, pins, origin, corner_vertex),
         held=labels,
         edges=_by_role(labels),
         motion=_motion(path, held, corner_vertex),
         attributes={
-            key.removeprefix(FIELD): mesh.origin.at_vertices(held[key].astype(np.float64)[corner_vertex])
+            key.removeprefix(FIELD): origin.at_vertices(held[key].astype(np.float64)[corner_vertex])
             for key in held
             if key.startswith(FIELD)
         },
@@ -130,8 +129,9 @@ def _of_the_file(origin: Origin, births: list[Birth]) -> Origin:
             row[corner] = row.get(corner, 0.0) + share * weight
         rows.append(row)
     entries = [(number, corner, weight) for number, row in enumerate(rows) for corner, weight in row.items()]
-    number, corner, weight = np.array(entries, np.float64).reshape(-1, 3).T
-    own = csr_array((weight, (number.astype(np.int64), corner.astype(np.int64))), shape=(len(rows), count))
+    rows_of, corners, weights = np.array(entries, np.float64).reshape(-1, 3).T
+    place = (rows_of.astype(np.int64), corners.astype(np.int64))
+    own = csr_array((weights, place), shape=(len(rows), count))
     return replace(origin, weights=csr_array(origin.weights @ own), first=np.array([0, count], np.int32))
 
 

@@ -7,12 +7,14 @@ from typing import TypeVar
 import numpy as np
 
 from toile.dressing.garment.fields.cut_mesh import Level, cut_along
+from toile.dressing.garment.folded_panel import FoldedMesh, fold_cuts, folded_mesh, joined_cuts
 from toile.dressing.garment.garment_mesh import Border, GarmentMesh
 from toile.dressing.pattern.pattern import Edge, Panel, Pattern
 from toile.dressing.pattern.pattern_curve import edge_length as length_of
 from toile.dressing.pattern.pattern_curve import sagitta
 from toile.dressing.pattern.pattern_outline import crossing_sides, outline, signed_area, to_world
 from toile.dressing.pattern.split_seams import EdgeKey, split_seams
+from toile.engine.cloth.folds import FoldLine, Folds
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.remesh.panel.panel_mesh import triangulate_panel
@@ -54,19 +56,21 @@ def mesh_pattern(
         raise InputError(
             f"edge_length must be a positive number of metres, got {edge_length}", field="edge_length"
         )
+    cuts = joined_cuts(cuts, fold_cuts(pattern))
     pattern = split_seams(pattern, cuts)
     segments = matched_segments(
         pattern, edge_length, curve_edge_length or edge_length, keep_pieces=cuts is not None
     )
-    positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
+    positions, uv, faces, panel_of, rest, first, parts = [], [], [], [], [], {}, list[Folds | None]()
     count = 0
     for index, panel in enumerate(pattern.panels):
         border, clockwise = _border(pattern.name, panel, segments[panel.name])
         # Seen from the right side of the fabric every loop runs counter-clockwise.
         mirror = np.array([-1.0 if clockwise else 1.0, 1.0])
-        mesh = _filled(pattern.name, panel, border * mirror, edge_length)
-        if lines is not None:
-            mesh = _cut(mesh, len(border), lines.get(panel.name, ()), mirror)
+        mesh = _filled(pattern.name, panel, border * mirror, edge_length, mirror)
+        parts.append(_folds(panel, mesh, mirror))
+        if lines is not None and lines.get(panel.name):
+            mesh = _cut(pattern.name, panel, mesh, len(border), lines[panel.name], mirror)
         flat = mesh[0] * mirror
         first[panel.name] = count
         positions.append(to_world(panel, flat))
@@ -93,19 +97,29 @@ def mesh_pattern(
         held=vertices_on(pattern, segments, first, lambda edge: edge.label),
         edges=vertices_on(pattern, segments, first, lambda edge: edge.role),
         minimum_angle=float(np.degrees(corner_angles(rest_corners).min())),
+        folds=Folds.together(parts, [len(some) for some in faces]),
         borders=tuple(_borders(pattern, segments, first)),
     )
 
 
-def _cut(mesh: tuple[Float, Int], border: int, lines: Sequence[Level], mirror: Float) -> tuple[Float, Int]:
-    """Return vertices and faces of a panel cut along lines in its own coordinates, the `mirror` of these."""
+def _cut(
+    pattern: str, panel: Panel, mesh: FoldedMesh, border: int, lines: Sequence[Level], mirror: Float
+) -> FoldedMesh:
+    """Return the mesh of a panel cut along lines in its own coordinates, the `mirror` of these."""
+    if panel.folds:
+        raise InputError(
+            f"{pattern}: panel '{panel.name}' has folds, and fields with a border within it; give it "
+            "fields of the whole panel only",
+            field=f"pattern.panels.{panel.name}",
+        )
 
     def seen(line: Level) -> Level:
         return lambda points: line(points * mirror)
 
+    vertices, faces = mesh.vertices, mesh.faces
     for line in lines:
-        mesh = cut_along(*mesh, np.arange(len(mesh[0])) < border, seen(line))
-    return mesh
+        vertices, faces = cut_along(vertices, faces, np.arange(len(vertices)) < border, seen(line))
+    return FoldedMesh(vertices, faces, np.zeros(len(faces), np.int32), ())
 
 
 def _borders(pattern: Pattern, segments: Segments, first: dict[str, int]) -> Iterator[Border]:
@@ -231,12 +245,32 @@ def _border(pattern: str, panel: Panel, segments: list[int]) -> tuple[Float, boo
     return polygon, signed_area(polygon) < 0.0
 
 
-def _filled(pattern: str, panel: Panel, border: Float, edge_length: float) -> tuple[Float, Int]:
+def _filled(pattern: str, panel: Panel, border: Float, edge_length: float, mirror: Float) -> FoldedMesh:
     """Vertices and faces inside a border; the border's vertices come first, in the order of the loop."""
     try:
+        if panel.folds:
+            folds = {f"fold {n}": np.array(fold.points) * mirror for n, fold in enumerate(panel.folds)}
+            return folded_mesh(border, folds, edge_length)
         mesh = triangulate_panel(border, edge_length=edge_length)
     except ValueError as error:
         raise InputError(
             f"{pattern}: panel '{panel.name}': {error}", field=f"pattern.panels.{panel.name}"
         ) from None
-    return mesh.vertices, mesh.faces
+    return FoldedMesh(mesh.vertices, mesh.faces, np.zeros(len(mesh.faces), np.int32), ())
+
+
+def _folds(panel: Panel, mesh: FoldedMesh, mirror: Float) -> Folds | None:
+    """Return the folds of a panel in its own coordinates, None if it has none."""
+    if not panel.folds:
+        return None
+    parts = tuple(range(int(mesh.part.max()) + 1))
+    lines = tuple(
+        FoldLine(
+            line * mirror,
+            math.radians(fold.degrees),
+            math.nan if fold.stiffness is None else fold.stiffness,
+            parts,
+        )
+        for fold, line in zip(panel.folds, mesh.lines, strict=True)
+    )
+    return Folds(part=mesh.part, lines=lines)

@@ -8,11 +8,11 @@ from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
 from toile.dressing.run.listener import Listener, Say
 from toile.dressing.run.output.one_run import one_run
+from toile.dressing.run.output.result_view import save_view
 from toile.dressing.run.progress import Progress
 from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, save_report, save_shapes
-from toile.dressing.run.result_view import save_view
 from toile.dressing.run.scene import Scene
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import now, together

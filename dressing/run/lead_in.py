@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from toile.dressing.body.animated_avatar import DEFAULT_FPS, is_animated, led_in_avatars
+from toile.dressing.body.animated_avatar import DEFAULT_FPS, led_in_avatars
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.posing.opened_arms import opened_arms
-from toile.dressing.files.gltf.gltf_lead_in import eased, has_skeleton
-from toile.dressing.files.read_surface import GLTF
+from toile.dressing.files.leading.standing import eased
 from toile.dressing.run.scene import OFF, AvatarFile
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.errors import InputError, about
@@ -55,7 +54,7 @@ def led_in(
         return avatar, form, None
     best: tuple[Avatar, DressForm] | None = None
     path, how = source.path, "in its rest pose"
-    if avatar.motion is not None and path.suffix.lower() in GLTF and is_animated(path) and has_skeleton(path):
+    if avatar.motion is not None:
         for rest in led_in_avatars(
             path, reading=source.reading, fps=source.fps, clip=source.clip, seconds=asked or SECONDS,
             up=avatar.up_axis,
@@ -67,7 +66,7 @@ def led_in(
         best, how = _opened(avatar, form, asked or SECONDS), "with its arms opened"
     if best is None and asked is not None:
         raise InputError(
-            f"{path}: lead_in needs a skeleton (.glb, .gltf or .vrm), or arms that no other surface "
+            f"{path}: lead_in needs a skeleton (glTF or USD), or arms that no other surface "
             "is part of down to the hands; leave it out",
             file=path, field="lead_in",
         )  # fmt: skip

@@ -19,6 +19,7 @@ from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.drawn.place import placed_pattern
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions, told_or_sure
+from toile.dressing.pattern.fold_table import with_folds
 from toile.dressing.pattern.garmentcode import check_pattern
 from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.seam import read_seam
@@ -106,14 +107,16 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
 
     source, parts, fps = garment.source, garment.parts, _fps(form)
     if isinstance(source, GarmentMesh):
+        _check_foldable(garment)
         _check_pattern_coordinates(source)
         return parts_on_mesh(moved_in(source, form.place), parts, fps)
     if isinstance(source, Path) and source.suffix.lower() in MESH_FORMATS:
         from toile.dressing.garment.mesh_garment import read_mesh_garment
 
+        _check_foldable(garment)
         read = read_mesh_garment(
             source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
-            edge_length=edges.length, walls=garment.walls,
+            edge_length=edges.length, walls=garment.walls, attributes=parts.attributes,
         )  # fmt: skip
         return parts_on_mesh(read, parts, fps)
     is_drawn = (
@@ -128,10 +131,12 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
     else:
         found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
+        _check_foldable(garment)
         _check_pattern_coordinates(found)
         return parts_on_mesh(moved_in(found, form.place), parts, fps)
     if isinstance(garment.seams, tuple) and not is_drawn:
         found = with_seams(found, garment.seams)
+    found = with_folds(found, garment.folds)
     if isinstance(source, Path | Pattern) and not is_drawn:
         if not (form.place.is_own or form.place.turn):
             mesh = mesh_with_parts(found, parts, edges, fps)
@@ -145,6 +150,16 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
             found = replace(found, notes=(*found.notes, note))
     mesh = mesh_with_parts(found, parts, edges, fps)
     return replace(mesh, notes=found.notes)
+
+
+def _check_foldable(garment: ResolvedGarment) -> None:
+    """Raise InputError if a mesh is to be folded."""
+    if garment.folds:
+        raise InputError(
+            f"garment '{garment.name}': folds are lines of a pattern's panels, and a mesh has none; "
+            "leave them out",
+            field="folds",
+        )
 
 
 def _fps(form: DressForm) -> float:

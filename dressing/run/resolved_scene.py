@@ -10,6 +10,7 @@ from toile.dressing.body.measurements import Measurements
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.field import Parts
+from toile.dressing.pattern.pattern import Fold
 from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
 from toile.dressing.run.garment_source import GarmentSource, checked_source, default_name
 from toile.dressing.run.quality import Quality, quality_preset
@@ -42,6 +43,8 @@ class ResolvedGarment:
         A seams file, seams as texts, or None.
     panel_fabrics
         Fabric of panels that are of another, checked, by their names.
+    folds
+        Folds of panels, by their names.
     parts
         Fields, elastic, holds and gas.
     """
@@ -59,6 +62,7 @@ class ResolvedGarment:
     allowance: float | None = None
     seams: Path | tuple[str, ...] | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    folds: Mapping[str, Sequence[Fold]] = field(default_factory=dict)
     parts: Parts = field(default_factory=Parts)
 
 
@@ -134,7 +138,7 @@ def resolve(scene: Scene) -> ResolvedScene:
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
                 size=garment.size, allowance=garment.allowance, seams=_seams(garment),
-                panel_fabrics=panels, parts=garment.parts,
+                panel_fabrics=panels, folds=garment.folds, parts=garment.parts,
             )
             for garment, name, source, fabric, panels in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, panel_cloth, strict=True

@@ -17,8 +17,8 @@ from toile.dressing.files.writers.glb import GlbMesh, glb_bytes
 from toile.dressing.files.writers.obj import obj_bytes
 from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.files.writers.png import png_bytes
+from toile.dressing.run.output.result_view import result_page, save_view
 from toile.dressing.run.report import report_bytes
-from toile.dressing.run.result_view import result_page, save_view
 from toile.dressing.view.view_page import framed
 from toile.dressing.wear.drape_types import DrapedGarment, Failure, Status
 from toile.engine.cloth.fabric import Fabric

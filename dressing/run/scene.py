@@ -26,7 +26,7 @@ from toile.dressing.garment.given_values import (
     given_real,
     given_warp,
 )
-from toile.dressing.pattern.pattern import Pattern
+from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
@@ -159,6 +159,8 @@ class Garment:
         [degrees]: one number for all panels, or panel name to number.
     panel_fabrics
         Preset name or Fabric of panels that are of another than the garment, by their names.
+    folds
+        Lines along which panels are folded at rest, by panel: fold lines and pleats of a pattern.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
         `units` may also be those of a DXF pattern that does not say them.
@@ -193,6 +195,7 @@ class Garment:
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
     panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
+    folds: Mapping[str, Sequence[Fold]] = field(default_factory=dict)
     fields: Sequence[Field] = ()
     elastic: Sequence[Elastic] = ()
     holds: Sequence[Hold] = ()
@@ -213,7 +216,8 @@ class Garment:
             warp_angle: SupportsFloat | Mapping[str, SupportsFloat] = 0.0, units: str | None = None,
             up: str | None = None, walls: SupportsIndex = 1, size: str | None = None,
             allowance: SupportsFloat | None = None, seams: str | Path | Sequence[str] | None = None,
-            panel_fabrics: Mapping[str, str | Fabric] = ..., fields: Sequence[Field] = (),
+            panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
+            fields: Sequence[Field] = (),
             elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
         ) -> None: ...  # fmt: skip
 

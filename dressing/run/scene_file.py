@@ -22,7 +22,7 @@ Paths are relative to the scene file.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import MISSING, asdict, fields, replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +30,10 @@ from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
+from toile.dressing.garment.fabric_keys import FABRIC_KEYS, SUPPLIERS, supplied_values
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
+from toile.dressing.pattern.fold_table import folds_of
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -109,6 +111,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "panel_fabrics": (dict, 'fabric of panels that are of another: { collar = "denim-12oz" }'),
+        "folds": (dict, "lines that are folded: { front = [{ points = [[x, y], [x, y]], degrees = 180 }] }"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
@@ -121,14 +124,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         **GARMENT_KEYS,
     },
     **PART_KEYS,
-    "fabric": {
-        "like": (str, "preset that supplies every value not set here"),
-        **{
-            entry.name: (NUMBER, f"see toile.Fabric.{entry.name}, SI units")
-            for entry in fields(Fabric)
-            if entry.name != "name"
-        },
-    },
+    "fabric": FABRIC_KEYS,
 }
 """Table name to key to (accepted types, meaning)."""
 FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in")
@@ -345,6 +341,8 @@ class _SceneReader:
             parts = read_parts(values, self.path.parent)
         source: str = values["source"]
         seams: str | list[str] | None = values.get("seams")
+        with self._placed(*place):
+            folds = folds_of(values.get("folds", {}))
         is_file = bool(re.search(r"[./\\]", source))
         return Garment(
             self._resolve(source) if is_file else source,
@@ -359,6 +357,7 @@ class _SceneReader:
             size=values.get("size"),
             allowance=values.get("allowance"),
             panel_fabrics=values.get("panel_fabrics", {}),
+            folds=folds,
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
             **vars(parts),
         )
@@ -375,16 +374,13 @@ class _SceneReader:
         if not isinstance(values, dict):
             raise self._error(place, f"fabric.{name} must be a table: write [fabric.{name}]")
         self._check_keys(values, "fabric", place)
-        base: dict[str, Any] = {}
-        if "like" in values:
-            if values["like"] not in fabrics():
-                raise self._error((*place, "like"), unknown_name("fabric", values["like"], fabrics()))
-            base = asdict(fabrics()[values["like"]])
-        given = {key: value for key, value in values.items() if key != "like"}
+        with self._placed(*place):
+            base = supplied_values(values)
+        given = {key: value for key, value in values.items() if key not in SUPPLIERS}
         needed = {entry.name for entry in fields(Fabric) if entry.default is MISSING} - {"name"}
         missing = sorted(needed - base.keys() - given.keys())
         if missing:
-            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
+            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them, like or yarn")
         try:
             return checked_fabric(Fabric(**{**base, **given, "name": name}))
         except InputError as error:

@@ -5,6 +5,7 @@ import numpy as np
 from toile.collide.patch_clearance import PatchChanges, clear_proposals
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.adapt.acceptance import Proposals
@@ -35,6 +36,8 @@ class PatchGate:
         self._avatar = None if stepper.collisions is None else stepper.collisions.avatar
         names = ("stretch_warp", "stretch_weft", "shear", "compression")
         self._stiffness = np.stack([cloth.per_face(name) for name in names], axis=1)
+        warp, weft, _, compression = self._stiffness.T
+        self._laws = stretch_laws(cloth.fabrics, cloth.fabric, warp, weft, compression)
         self._scale = cloth.rest_scale(cloth.now)
         rounding = float((self._stiffness[:, 0] * np.abs(cloth.rest_area)).sum()) * ROUNDING**2
         self.left = ENERGY_BUDGET * stepper.elastic_energy() + rounding
@@ -65,12 +68,12 @@ class PatchGate:
         count = proposals.proposal_count
         new = patch_energies(
             positions, proposals.triangles, self._natural(proposals.rest_corners, proposals.origin),
-            self._stiffness, proposals.origin,
+            self._stiffness, proposals.origin, self._laws,
         )  # fmt: skip
         old = patch_energies(
             positions, proposals.face_nodes[proposals.removed],
             self._natural(proposals.removed_rest_corners, proposals.removed_origin),
-            self._stiffness, proposals.removed_origin,
+            self._stiffness, proposals.removed_origin, self._laws,
         )  # fmt: skip
         after = np.bincount(proposals.owner, weights=new, minlength=count)
         return np.asarray(after - np.bincount(proposals.removed_owner, weights=old, minlength=count))

@@ -197,8 +197,9 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     plane = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
     frames = np.einsum("tci,tdc->tid", sides, np.linalg.inv(plane))
     parts = cloth.garment.astype(np.int64)
+    folded = () if cloth.folds is None else (cloth.folds.part,)
     regions = () if cloth.fields is None else (cloth.fields.region,)
-    for part in (cloth.panel, cloth.fabric, *regions):
+    for part in (cloth.panel, cloth.fabric, *folded, *regions):
         parts = parts * (int(part.max(initial=0)) + 1) + part
     region = np.unique(parts, return_inverse=True)[1]
     kept = np.zeros(len(x), bool)
@@ -255,6 +256,8 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         rest_curved=rest_curved,
         start_positions=start,
         origin=None if cloth.origin is None else cloth.origin.carried(transfer),
+        folds=None if cloth.folds is None else cloth.folds.carried(transfer),
+        creases=None if cloth.creases is None else cloth.creases.carried(transfer.faces),
         timed_pins=tuple(pins.carried(transfer) for pins in cloth.timed_pins),
     )
     if cloth.fields is not None:

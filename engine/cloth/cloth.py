@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.edge_runs import EdgeRun
 from toile.engine.cloth.fields.fields import Fields
 from toile.engine.cloth.fields.gas import Gas
 from toile.engine.cloth.fields.timed_pins import RunHold, TimedPins
+from toile.engine.cloth.folds import Folds
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
@@ -72,6 +74,10 @@ class Cloth:
         Where nodes that are not pinned are drawn to, or None.
     origin
         Which corners and faces of the garments' files all this was made of; None where nobody asks.
+    folds
+        Lines along which panels are folded at rest, or None.
+    creases
+        Curvature that its faces keep, or None.
     fields
         Values on regions that differ from their fabric's, or None.
     elastic
@@ -107,6 +113,8 @@ class Cloth:
     goals: Goals | None = None
     handles: csr_array | None = None
     origin: Origin | None = None
+    folds: Folds | None = None
+    creases: Creases | None = None
     fields: Fields | None = None
     elastic: tuple[EdgeRun, ...] = ()
     holds: tuple[RunHold, ...] = ()

@@ -195,10 +195,8 @@ class Simulation(ClothRun):
         from toile.engine.adapt.remeshing import remesh_run
 
         now = self.clock.now()
-        seconds = self._frame_time()
-        self.cloth = replace(self.cloth, now=seconds)
         request = StepRequest(
-            h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance, seconds=seconds
+            h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance, seconds=self.cloth.now
         )
         done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
         if done is not None:
@@ -302,6 +300,7 @@ class Simulation(ClothRun):
             self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds))
             self.stepper.forget()
             self.auditor = None
+        self.cloth = replace(self.cloth, now=len(record.crossings) * self.plan.frame_seconds)
         crossings = self.audited_cloth()
         frame = FilmFrame(
             index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,

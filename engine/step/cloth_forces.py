@@ -4,13 +4,18 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
-from toile.engine.forces.added.keyed_membrane import KEYED, KeyedMembrane
+from toile.engine.forces.added.keyed_membrane import KEYED, KeyedCurvedMembrane, KeyedMembrane
 from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.added.timed_pull import TimedPull
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.hold import SewingHolds
+from toile.engine.forces.laws.bend_damping import BendDamping
+from toile.engine.forces.laws.creasing_bending import CreasingBending
+from toile.engine.forces.laws.curved_membrane import CurvedMembrane
+from toile.engine.forces.laws.fold_hinges import FoldHinges
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.stitch import Stitches
@@ -28,13 +33,16 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
     faces, per_face = cloth.face_nodes, cloth.per_face
     membrane = _membrane(cloth)
     bends = any(per_face(name).any() for name in ("bending_warp", "bending_weft", "bending_bias"))
+    bending = (Bending if cloth.creases is None else CreasingBending).for_cloth(cloth) if bends else None
     damping = per_face("damping")
     sewn = len(cloth.stitches) > 0
     normals = vertex_normals(cloth.positions, faces) if sewn else None
     forces: list[Force | None] = [
         membrane,
         MembraneDamping(membrane, damping) if damping.any() else None,
-        Bending.for_cloth(cloth) if bends else None,
+        bending,
+        BendDamping.for_cloth(cloth, bending),
+        FoldHinges.for_cloth(cloth),
         Stitches(cloth.stitches, cloth.stitch_length) if sewn else None,
         SewingHolds(cloth.positions, normals, cloth.weld, cloth.stitches, cloth.held)
         if normals is not None
@@ -52,13 +60,17 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
 
 def _membrane(cloth: Cloth) -> Membrane:
     """Return the membrane of a cloth, with its fields."""
-    if cloth.fields is not None and cloth.fields.is_keyed(KEYED):
-        return KeyedMembrane(cloth)
+    keyed = cloth.fields is not None and cloth.fields.is_keyed(KEYED)
     per_face = cloth.per_face
-    return Membrane(
-        cloth.face_nodes, cloth.natural_corners, per_face("stretch_warp"), per_face("stretch_weft"),
-        per_face("shear"), per_face("compression"),
-    )  # fmt: skip
+    faces, corners = cloth.face_nodes, cloth.natural_corners
+    stretch, shear = (per_face("stretch_warp"), per_face("stretch_weft")), per_face("shear")
+    compression = per_face("compression")
+    laws = stretch_laws(cloth.fabrics, cloth.fabric, *stretch, compression)
+    if keyed:
+        return KeyedMembrane(cloth) if laws is None else KeyedCurvedMembrane(cloth, laws)
+    if laws is None:
+        return Membrane(faces, corners, *stretch, shear, compression)
+    return CurvedMembrane(faces, corners, stretch, shear, compression, laws)
 
 
 def cloth_stepper(

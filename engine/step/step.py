@@ -271,7 +271,7 @@ class ClothStepper:
     def acceleration(self, seconds: float) -> Float:
         """Acceleration without contact [m/s^2] at a time [s], shape (n, 3); zero at pins."""
         gradient = np.zeros_like(self.x)
-        now = Instant(StepRequest(h=1.0, at_rest=False, seconds=seconds), self.v)
+        now = Instant(StepRequest(h=1.0, at_rest=False, seconds=seconds), self.v, self.x)
         for force in self.forces:
             if force.begin(now, self.x):
                 force.add_gradient(self.x, gradient)

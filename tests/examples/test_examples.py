@@ -30,6 +30,7 @@ REDUCED: dict[str, dict[str, Any]] = {
     "own_fabric": {"edge_length": 0.04},
     "own_garment_reader": COARSE,
     "own_pattern": COARSE,
+    "pleated_skirt": {"edge_length": 0.02},
     "results_in_numpy": COARSE,
     "scene_file": {"settings": "edge_length = 0.03\n"},
     "sheet_on_sphere": {"edge": 0.04},
@@ -165,6 +166,18 @@ def gathered_skirt(result: toile.Result, _: Path) -> None:
     assert example.tension(skirt) == pytest.approx(theory, rel=0.02)
 
 
+def pleated_skirt(result: toile.Result, _: Path) -> None:
+    hangs(result)
+    (skirt,) = result.garments
+    example = import_module("examples.pleated_skirt")
+    # All twelve pleats: three layers over each other everywhere, and the hem as far around as the band.
+    assert example.in_order(skirt) == 1.0
+    height = skirt.positions[:, 1]
+    assert height.max() - height.min() == pytest.approx(example.LENGTH, abs=0.02)
+    radius = np.linalg.norm(skirt.positions[height < height.min() + 0.05][:, [0, 2]], axis=1)
+    assert radius.max() < 1.15 * example.RADIUS
+
+
 def own_garment_reader(result: toile.Result, _: Path) -> None:
     hangs(result)
     # The neck, and one long border.
@@ -203,7 +216,8 @@ CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
         batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure,
-        moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, results_in_numpy,
+        moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, pleated_skirt,
+        results_in_numpy,
         scene_file, sheet_on_sphere,
     )
 }  # fmt: skip

@@ -235,6 +235,12 @@ class Parts:
     holds: tuple[Hold, ...] = ()
     gas: Filling | None = None
 
+    @property
+    def attributes(self) -> tuple[str, ...]:
+        """Names of the attributes of vertices that fields are painted from."""
+        values = [value for field in self.fields for value in field.values.values()]
+        return tuple(dict.fromkeys(value.attribute for value in values if isinstance(value, Painted)))
+
     def __bool__(self) -> bool:
         """Whether there is anything."""
         return bool(self.fields or self.elastic or self.holds or self.gas)

@@ -1,6 +1,7 @@
 """Garments with fields, elastic, gas and holds: meshed along their borders, and marked."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from toile.dressing.garment.fields.cut_mesh import Level
 from toile.dressing.garment.fields.field import Field, FieldValue, Painted, Parts, Textured
 from toile.dressing.garment.fields.places import cuts_of, levels_of
 from toile.dressing.garment.fields.read_png import read_brightness
-from toile.dressing.garment.fields.runs import run_lines
+from toile.dressing.garment.fields.runs import run_sides
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.pattern import Pattern
@@ -25,6 +26,7 @@ from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 from toile.geometry.errors import InputError
 
+NO_LINES = np.empty((0, 2, 3))
 Levels = Mapping[str, Level]
 
 
@@ -35,37 +37,48 @@ def mesh_with_parts(pattern: Pattern, parts: Parts, edges: SewingEdges, fps: flo
     """
     if not parts:
         return mesh_pattern(pattern, edge_length=edges.length, curve_edge_length=edges.curves)
-    _check_panels(parts, tuple(panel.name for panel in pattern.panels))
-    levels = [levels_of(field, pattern) for field in parts.fields]
     lines: dict[str, list[Level]] = {}
-    for of_panels in levels:
-        for name, level in of_panels.items():
-            lines.setdefault(name, []).append(level)
-    cuts = cuts_of(parts, levels, pattern)
+    with _named(pattern.name):
+        _check_panels(parts, tuple(panel.name for panel in pattern.panels))
+        levels = [levels_of(field, pattern) for field in parts.fields]
+        for of_panels in levels:
+            for name, level in of_panels.items():
+                lines.setdefault(name, []).append(level)
+        cuts = cuts_of(parts, levels, pattern)
     mesh = mesh_pattern(
         pattern, edge_length=edges.length, curve_edge_length=edges.curves, cuts=cuts or None, lines=lines
     )
-    return with_parts(mesh, parts, levels, fps)
+    with _named(mesh.name):
+        return with_parts(mesh, parts, levels, fps)
+
+
+@contextmanager
+def _named(garment: str) -> Iterator[None]:
+    """Put the name of a garment in front of errors raised inside."""
+    try:
+        yield
+    except InputError as error:
+        raise error.at(f"garment '{garment}'", garment=garment) from None
 
 
 def with_parts(mesh: GarmentMesh, parts: Parts, levels: list[dict[str, Level]], fps: float) -> GarmentMesh:
     """Return a mesh with its parts; `levels` of its fields, by panel, say which faces lie within."""
-    rest = mesh.positions if not mesh.flat else np.pad(mesh.uv, ((0, 0), (0, 1)))
     elastic = [
-        EdgeRun(garment=0, panel=panel, lines=lines, rest=one.rest, stiffness=one.stiffness)
+        (EdgeRun(garment=0, panel=panel, lines=NO_LINES, rest=one.rest, stiffness=one.stiffness), sides)
         for one in parts.elastic
-        for panel, lines in run_lines(one.run, mesh, rest).items()
+        for panel, sides in run_sides(one.run, mesh).items()
     ]
-    holds = []
+    holds: list[tuple[RunHold, Int | None]] = []
     for hold in parts.holds:
-        places: dict[int, Float | None] = {mesh.panel_names.index(name): None for name in hold.panels}
+        places: dict[int, Int | None] = {mesh.panel_names.index(name): None for name in hold.panels}
         if hold.run is not None:
-            places.update(run_lines(hold.run, mesh, rest))
-        holds += [
-            RunHold(garment=0, panel=panel, lines=lines, share=hold.shares(fps), stiffness=hold.stiffness,
-                    follow=hold.follow)
-            for panel, lines in places.items()
-        ]  # fmt: skip
+            places.update(run_sides(hold.run, mesh))
+        share = hold.shares(fps)
+        for panel, there in places.items():
+            one = RunHold(
+                garment=0, panel=panel, lines=None, share=share, stiffness=hold.stiffness, follow=hold.follow
+            )
+            holds.append((one, there))
     mesh = replace(mesh, elastic=tuple(elastic), holds=tuple(holds))
     if parts.gas is not None:
         _check_closed(mesh)
@@ -77,14 +90,15 @@ def parts_on_mesh(mesh: GarmentMesh, parts: Parts, fps: float) -> GarmentMesh:
     """Return a garment that came as a mesh with its parts. Raises InputError if they need a pattern."""
     if not parts:
         return mesh
-    _check_panels(parts, mesh.panel_names)
-    for field in parts.fields:
-        if field.run is not None or field.polygon:
-            raise InputError(
-                "field: bands and polygons need a pattern; paint vertices of a mesh, or name its panels",
-                field="run" if field.run is not None else "polygon",
-            )
-    return with_parts(mesh, parts, [{} for _ in parts.fields], fps)
+    with _named(mesh.name):
+        _check_panels(parts, mesh.panel_names)
+        for field in parts.fields:
+            if field.run is not None or field.polygon:
+                raise InputError(
+                    "field: bands and polygons need a pattern; paint vertices of a mesh, or name its panels",
+                    field="run" if field.run is not None else "polygon",
+                )
+        return with_parts(mesh, parts, [{} for _ in parts.fields], fps)
 
 
 def _check_panels(parts: Parts, known: tuple[str, ...]) -> None:

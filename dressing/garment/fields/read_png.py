@@ -26,7 +26,9 @@ def read_brightness(path: Path) -> Float:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f"{path}: image cannot be read ({error}); check the path", file=path) from None
+        raise InputError(
+            f"{path}: image cannot be read ({error.strerror}); check the path", file=path
+        ) from None
     try:
         return _decoded(data)
     except (ValueError, zlib.error, struct.error) as error:

@@ -8,7 +8,8 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import Border, GarmentMesh
 from toile.dressing.pattern.pattern import Panel, Pattern
 from toile.dressing.pattern.seam import EdgePart, read_run
-from toile.geometry.arrays import Float
+from toile.engine.cloth.fields.edge_runs import border_sides
+from toile.geometry.arrays import Int
 from toile.geometry.errors import InputError
 
 _SLACK = 1e-6
@@ -51,29 +52,44 @@ def _names(pattern: Pattern) -> list[str]:
     return sorted(names) or ["none that has a name in this garment"]
 
 
-def run_lines(run: str, mesh: GarmentMesh, rest: Float) -> dict[int, Float]:
-    """Return the straight pieces of a run in rest space [m], shape (k, 2, 3), by the number of their panel.
+def run_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
+    """Return the sides of faces that lie on a run, as vertex pairs (k, 2), by the number of their panel.
 
-    `rest` are the material vertices there, shape (m, 3). Raises InputError if there is none of that name.
+    Of a garment that came as a mesh a run is a label: sides on its border between vertices that have it.
+    Raises InputError if there is none of that name.
     """
+    if not mesh.borders:
+        return _labelled_sides(run, mesh)
     named = [border for border in mesh.borders if run in (border.label, border.role)]
     if not named:
-        if not mesh.borders:
-            raise InputError(
-                f"run '{run}': a garment from a mesh has no edges with names; use a pattern", field="run"
-            )
         if "." not in run:
             known = sorted({name for b in mesh.borders for name in (b.label, b.role) if name})
             raise InputError(f"run: {unknown_name('edge', run, known)}; or write PANEL.NUMBER", field="run")
         named = [b for part in read_run(run, "run") for b in mesh.borders if _is_within(b, part)]
         if not named:
             raise InputError(f"run '{run}': there is no such edge; see toile pattern FILE", field="run")
-    found: dict[int, list[Float]] = {}
+    found: dict[int, list[Int]] = {}
     for border in named:
-        points = rest[border.vertices]
         number = mesh.panel_names.index(border.panel)
-        found.setdefault(number, []).append(np.stack([points[:-1], points[1:]], axis=1))
-    return {number: np.concatenate(lines) for number, lines in found.items()}
+        sides = np.stack([border.vertices[:-1], border.vertices[1:]], axis=1)
+        found.setdefault(number, []).append(sides)
+    return {number: np.concatenate(sides) for number, sides in found.items()}
+
+
+def _labelled_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
+    labels: dict[str, Int] = {str(role): own for role, own in mesh.edges.items()} | mesh.held
+    if run not in labels:
+        known = sorted(labels) or ["none in this garment; an .npz garment has them as held_LABEL"]
+        raise InputError(f"run: {unknown_name('edge', run, known)}", field="run")
+    marked = np.zeros(len(mesh.positions), bool)
+    marked[labels[run]] = True
+    sides, face = border_sides(mesh.faces)
+    panel, on = mesh.panel[face], marked[sides].all(axis=1)
+    if not on.any():
+        raise InputError(
+            f"run '{run}': no border of the mesh lies between vertices of that label", field="run"
+        )
+    return {number: sides[on & (panel == number)] for number in np.unique(panel[on]).tolist()}
 
 
 def _is_within(border: Border, part: EdgePart) -> bool:

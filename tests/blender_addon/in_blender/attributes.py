@@ -67,6 +67,8 @@ mesh.attributes.new("pair", "INT32_2D", "POINT")
 number = mesh.attributes.new("number", "INT", "FACE")
 number.data.foreach_set("value", np.arange(len(face), dtype=np.int32))
 mesh.color_attributes.active_color_name = "plain_CORNER_BYTE_COLOR"
+smooth = np.arange(len(face)) % 3 > 0
+mesh.polygons.foreach_set("use_smooth", smooth)
 small.settings("DRAPE")
 
 
@@ -120,6 +122,8 @@ shown = small.shown(sheet, 1)
 found["faces"] = len(shown.polygons)
 found["wrong"] = wrong(shown)
 found["notes"] = sheet.toile.notes
+own = small.values(shown, "number", "value")[:, 0].astype(int)
+found["smooth"] = [polygon.use_smooth for polygon in shown.polygons] == smooth[own].tolist()
 places = places_of(shown)["POINT"]
 found["weights off"] = max(
     abs(entry.weight - places[vertex.index, 0])

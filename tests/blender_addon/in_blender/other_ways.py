@@ -3,6 +3,7 @@
 import json
 import sys
 import time
+from math import cos, pi, sin
 from pathlib import Path
 
 import bpy
@@ -88,16 +89,31 @@ bpy.context.view_layer.objects.active = garment
 bpy.ops.toile.clear()
 found["cleared"] = [list(garment.modifiers), cache.exists(), len(bpy.data.cache_files)]
 
-# A degenerate face is named and selected.
+# Degenerate faces are mended, and that is said.
 bpy.context.scene.toile.mode = "DRAPE"
 corner = garment.data.polygons[9].vertices[0]
 saved = [vertex.co.copy() for vertex in garment.data.vertices]
 for vertex in garment.data.polygons[9].vertices:
     garment.data.vertices[vertex].co = garment.data.vertices[corner].co
-found["degenerate"] = message(bpy.ops.toile.dress)
-found["selected"] = [polygon.index for polygon in garment.data.polygons if polygon.select]
+found["degenerate"] = [message(bpy.ops.toile.dress), garment.toile.notes]
 for vertex, place in zip(garment.data.vertices, saved, strict=True):
     vertex.co = place
+
+# Faces of a strip with one side are named and selected.
+bpy.context.scene.toile.mode = "DRAPE"
+strip, count = [], 12
+for width in (-0.1, 0.1):
+    for index in range(count):
+        angle = 2.0 * pi * index / count
+        reach = 0.5 + width * cos(0.5 * angle)
+        strip.append((reach * cos(angle), reach * sin(angle), 1.0 + width * sin(0.5 * angle)))
+quads = [(k, k + 1, count + k + 1, count + k) for k in range(count - 1)]
+quads.append((count - 1, count, 0, 2 * count - 1))
+garment.data.clear_geometry()
+garment.data.from_pydata(strip, [], quads)
+garment.data.uv_layers.new(name="UVMap")
+found["one-sided"] = message(bpy.ops.toile.dress)
+found["selected"] = [polygon.index for polygon in garment.data.polygons if polygon.select]
 
 # A garment whose pins hold it in the body.
 bpy.data.objects.remove(garment)

@@ -8,13 +8,14 @@ import pytest
 from tests.engine.film.test_simulate import film, level_sheet
 from tests.engine.step.test_only_what_is_asked import GRAVITY, options
 from toile.engine.cloth.cloth import Cloth
-from toile.engine.cloth.fields.fields import Fields
+from toile.engine.cloth.fields.fields import Fields, Value
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.engine.cloth.fields.timed_pins import RunHold
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.film.begin_holds import at_start
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import FilmPlan
+from toile.engine.film.simulate import Simulation
 from toile.remesh.sizing.sizing import SizingOptions
 
 FPS = 24.0
@@ -103,3 +104,20 @@ def test_keyed_pressure_lifts_it_from_its_time_on() -> None:
 def test_cloth_without_any_of_it_begins_as_it_is() -> None:
     cloth = sheet()
     assert at_start(cloth, None) is cloth
+
+
+def test_a_film_that_is_resumed_gives_the_same_cloth() -> None:
+    """With pins that let go, a keyed rest shape and remeshing."""
+    cloth = sheet()
+    values: dict[str, Value] = {"rest_warp": Keyed((0.0, 0.4), (1.0, 0.8))}
+    fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=(values,))
+    begun = at_start(replace(cloth, holds=(hold(),), fields=fields), None)
+    own = plan(sizing=SizingOptions(size_min=0.02, size_max=0.1, refine_angle=0.2), remesh_frames=2)
+    whole, frames = film(begun, 12 / FPS, own)
+    assert whole.record.remeshings
+    first, _ = film(begun, 5 / FPS, own)
+    second = Simulation(begun, None, own, lambda frame: True)
+    second.go_on_from(first.state())
+    second.run(7 / FPS)
+    assert np.array_equal(second.cloth.positions, frames[-1].cloth.positions)
+    assert np.array_equal(second.cloth.faces, frames[-1].cloth.faces)

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from toile.dressing.garment.fabrics import fabric
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Parts, Textured
 from toile.dressing.garment.fields.mesh_parts import mesh_with_parts, parts_on_mesh
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.pattern import Arc, Edge, Panel, Pattern, Stitch
 from toile.dressing.pattern.sewing_edges import SewingEdges
+from toile.dressing.wear.assemble_cloth import assemble_cloth
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.errors import InputError
 
@@ -95,18 +97,38 @@ def test_polygons_and_panels_overlap_and_the_last_counts() -> None:
     assert not ((corner.min(axis=1) < 0.2 - 1e-9) & (corner.max(axis=1) > 0.2 + 1e-9)).any()
 
 
+def lengths(mesh: GarmentMesh) -> list[float]:
+    """Length of every run of elastic [m], as the cloth has it."""
+    cloth = assemble_cloth([(mesh, fabric("cotton-poplin"))], [np.empty(0, np.int32)])
+    ends = [run.lines[:, 1] - run.lines[:, 0] for run in cloth.elastic]
+    return [float(np.linalg.norm(way, axis=1).sum()) for way in ends]
+
+
+FIRM = {"rest": 0.8, "stiffness": 5.0}
+
+
 def test_runs_of_elastic_by_role_and_by_parts_of_edges() -> None:
-    firm = {"rest": 0.8, "stiffness": 5.0}
-    by_role = meshed(elastic=(Elastic(run="waist", **firm),)).elastic
-    assert [run.panel for run in by_role] == [0, 1]
+    by_role = meshed(elastic=(Elastic(run="waist", **FIRM),))
+    assert [run.panel for run, _ in by_role.elastic] == [0, 1]
+    assert lengths(by_role) == pytest.approx([0.4, 2 * 0.5 * np.arcsin(0.4)], rel=1e-2)
+    parts = meshed(elastic=(Elastic(run="left.0[0.25:0.5] + right.0", **FIRM),))
+    assert lengths(parts) == pytest.approx([0.1, 0.4], abs=1e-12)
 
-    def length(lines: Any) -> float:
-        return float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
 
-    assert length(by_role[0].lines) == pytest.approx(0.4)
-    assert length(by_role[1].lines) == pytest.approx(2 * 0.5 * np.arcsin(0.4), rel=1e-2)
-    parts = meshed(elastic=(Elastic(run="left.0[0.25:0.5] + right.0", **firm),)).elastic
-    assert [length(run.lines) for run in parts] == pytest.approx([0.1, 0.4], abs=1e-12)
+def test_runs_of_meshes_are_labels_of_their_borders() -> None:
+    plain = mesh_pattern(pattern(), edge_length=0.05)
+    waist = plain.edges["waist"]
+    bent = plain.positions + [0.0, 0.0, 0.1] * np.sin(9.0 * plain.positions[:, :1])
+    mesh = replace(plain, flat=False, borders=(), edges={}, held={"top": waist}, positions=bent)
+    found = parts_on_mesh(mesh, Parts(elastic=(Elastic(run="top", **FIRM),)), 24.0)
+    # Moved before it is assembled, as layers are.
+    moved = replace(found, positions=found.positions + 1.0)
+    straight = np.linspace(0.0, 0.4, 2000)
+    height = 0.1 * np.sin(9.0 * straight)
+    curve = float(np.hypot(np.diff(straight), np.diff(height)).sum())
+    assert lengths(moved)[0] == pytest.approx(curve, rel=1e-2)
+    with pytest.raises(InputError, match=r"unknown edge 'topp'; did you mean 'top'"):
+        parts_on_mesh(mesh, Parts(elastic=(Elastic(run="topp", **FIRM),)), 24.0)
 
 
 def test_an_image_covers_its_panel() -> None:
@@ -127,7 +149,7 @@ def test_a_pattern_without_parts_is_meshed_as_ever() -> None:
 
 
 def test_holds_last_for_their_frames() -> None:
-    (hold,) = meshed(holds=(Hold(run="left.2", frames=(0, 10)),)).holds
+    ((hold, _),) = meshed(holds=(Hold(run="left.2", frames=(0, 10)),)).holds
     shares = [hold.share.at(frame / 24.0) for frame in (0, 5, 9, 10, 30)]
     assert shares == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0])
     late = Hold(run="left.2", frames=(4, 5)).shares(24.0)

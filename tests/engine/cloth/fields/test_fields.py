@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from tests.engine.adapt.test_remeshing import FINE, OPTIONS, POPLIN, cloth_at
+from tests.engine.forces.laws.test_stretch_laws import CURVED
+from tests.engine.forces.moving_step import MovingStep
 from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.dressing.garment.fields.cut_mesh import cut_along
 from toile.engine.adapt.remeshing import remeshed
@@ -18,6 +20,7 @@ from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.bend import Bending
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.membrane import Membrane
+from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_forces import cloth_forces, cloth_stepper
 from toile.geometry.arrays import Float
 from toile.geometry.stage_clock import StageClock
@@ -143,3 +146,26 @@ def test_fields_of_garments_together_keep_their_values() -> None:
     assert both is not None
     assert both.over("shear", np.ones(7)).tolist() == [1, 5, 1, 1, 1, 1, 5]
     assert Fields.together([None, None], [2, 3]) is None
+
+
+def test_a_keyed_membrane_is_the_membrane_of_its_time() -> None:
+    """With stretch curves and Poisson's ratio, and without."""
+    for fabric in (replace(SLACK, compression=0.1), CURVED):
+        keyed: dict[str, Value] = {
+            "rest_warp": Keyed((0.0, 1.0), (1.0, 0.9)),
+            "stretch_weft": Keyed((0.0, 1.0), (50.0, 150.0)),
+        }
+        there: dict[str, Value] = {"rest_warp": 0.95, "stretch_weft": 100.0}
+        cloth = sheet(fabric)
+        region = np.zeros(len(cloth.faces), np.int32)
+        x = 1.03 * cloth.positions
+        found = []
+        for values in (keyed, there):
+            own = replace(cloth, fields=Fields(region=region, values=(values,)))
+            (membrane,) = (f for f in cloth_forces(own, options()) if isinstance(f, Membrane))
+            membrane.begin(MovingStep(StepRequest(h=0.1, at_rest=False, seconds=0.5), x), x)
+            gradient = np.zeros_like(x)
+            membrane.add_gradient(x, gradient)
+            found.append((membrane.energy(x), gradient))
+        assert found[0][0] == pytest.approx(found[1][0], rel=1e-12) and found[0][0] > 0.0
+        assert found[0][1] == pytest.approx(found[1][1], rel=1e-10, abs=1e-12)

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.engine.forces.added.shapes import SOFT, ball
+from tests.engine.forces.added.shapes import SOFT, ball, tube
 from tests.engine.forces.force_cases import shaken
 from tests.engine.step.test_only_what_is_asked import options
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fields.fields import Fields
 from toile.engine.cloth.fields.gas import ATMOSPHERE, Gas
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
+from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.solve.hessian import Hessian
 from toile.engine.step.cloth_forces import cloth_stepper
@@ -42,6 +43,28 @@ def test_pressure_on_faces(subdivisions: int) -> None:
     fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=({"pressure": PRESSURE},))
     stepper = settled(replace(cloth, fields=fields))
     assert laplace(stepper) == pytest.approx(PRESSURE, rel=0.03)
+
+
+@pytest.mark.parametrize("edge", [0.03, 0.015])
+def test_pressure_in_a_sleeve_that_is_open_at_both_ends(edge: float) -> None:
+    """Its threads around bear p R per length."""
+    girth = 0.48
+    cloth = tube(girth, 0.24, edge, girth / (2.0 * np.pi))
+    x = cloth.positions[cloth.face_nodes]
+    outwards = np.einsum(
+        "ti,ti->t", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x.mean(axis=1) * [1, 0, 1]
+    )
+    inside_out = float(np.sign(outwards[0]))
+    everywhere = np.zeros(len(cloth.faces), np.int32)
+    fields = Fields(region=everywhere, values=({"pressure": inside_out * PRESSURE},))
+    stepper = settled(replace(cloth, fields=fields))
+    radius = np.linalg.norm(stepper.x[:, [0, 2]], axis=1)
+    assert np.ptp(radius) < 0.01 * radius.mean()
+    membrane = stepper.force(Membrane)
+    assert membrane is not None
+    strain = membrane.warp_weft_strain(stepper.x)[:, 0].mean()
+    assert strain > 0.1
+    assert SOFT.stretch_warp * strain == pytest.approx(PRESSURE * radius.mean(), rel=0.03)
 
 
 def test_gas_of_constant_pressure() -> None:
