@@ -21,7 +21,7 @@ def frame_path(frames: Path, name: str, index: int) -> Path:
 def write_film(
     folder: Path, garments: tuple[DressedGarment, ...], fps: float, count: int, formats: Sequence[str]
 ) -> list[str]:
-    """Write dressed.usdc of the `count` frames on disk, and other `formats`; say what could not be written."""
+    """Write dressed.usdc of the `count` frames on disk, and other `formats`; return what could not be."""
 
     def frames(name: str) -> Iterator[PlyMesh]:
         return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
