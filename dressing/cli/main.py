@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.fabric import add_fabric
+from toile.dressing.cli.live import add_live
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
     BAD_INPUT,
@@ -27,6 +29,7 @@ from toile.dressing.cli.parser import (
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
+from toile.dressing.cli.view import add_view
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,8 +46,8 @@ examples:
   toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
-exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 4 the garment fell off,
-5 cloth grew beyond reason, 130 cancelled"""
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed or disk full,
+4 the garment fell off, 5 cloth grew beyond reason, 130 cancelled"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -69,6 +72,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("TOILE_TRACEBACK"):
             raise
+        if isinstance(error, OSError):
+            print(f"toile: {_unwritten(error)}", file=sys.stderr)
+            return FAILED
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         print(
             f"toile: the simulation failed unexpectedly ({reason}); this is a bug in toile, "
@@ -76,6 +82,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return FAILED
+
+
+def _unwritten(error: OSError) -> str:
+    """Say in a line which file could not be written or read, and what to do."""
+    from toile.dressing.batch.failure_classes import disk_is_full
+
+    file = error.filename or "a file"
+    reason = error.strerror or type(error).__name__
+    if disk_is_full(error):
+        return (
+            f"{file}: the disk is full ({reason}); make room and run it again, a run that had begun with "
+            "toile dress --resume OUTDIR"
+        )
+    return f"{file}: cannot be read or written ({reason}); check its folder, rights and disk"
 
 
 def command_parser() -> argparse.ArgumentParser:
@@ -110,7 +130,10 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
+    add_fabric(commands)
     add_pattern(commands)
+    add_view(commands)
+    add_live(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
@@ -123,7 +146,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress = commands.add_parser(
         "dress",
         help="drape garments on a body",
-        description="Drape garments on a body and write dressed.glb, preview.png, report.json "
+        description="Drape garments on a body and write dressed.glb, preview.png, view.html, report.json "
         "and a PLY and OBJ per garment.",
     )
     dress.add_argument("scene", nargs="?", type=Path, metavar="SCENE.toml", help="scene file")
@@ -137,7 +160,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     add_reading(dress)
     dress.add_argument(
         "--lead-in", type=lead_in, metavar="SECONDS|off",
-        help="motion from the rest pose of a .glb BODY into its clip (default: 1 s where its arms hang)",
+        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
+        "hang); off leaves the arms of a body that stands",
     )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(
@@ -173,7 +197,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         metavar="WORD",
         dest="formats",
         help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
-        "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
+        "xdmf, msh (Gmsh) or inp (Abaqus); films too as glb (one animated file) or mdd; repeat for more",
     )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")

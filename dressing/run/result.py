@@ -12,12 +12,14 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.place import Place
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
-from toile.dressing.files.writers.field_mesh import FieldMesh, checked_formats, write_field_mesh
+from toile.dressing.files.writers.field_mesh import FORMATS, FieldMesh, checked_formats, write_field_mesh
 from toile.dressing.files.writers.glb import GlbMesh, glb_bytes
 from toile.dressing.files.writers.obj import obj_bytes
 from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.files.writers.png import png_bytes
+from toile.dressing.run.output.result_view import result_page, save_view
 from toile.dressing.run.report import report_bytes
+from toile.dressing.view.view_page import framed
 from toile.dressing.wear.drape_types import DrapedGarment, Failure, Status
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import Float, Int
@@ -99,7 +101,11 @@ class Result:
         """Write all output files into a folder, garments in a scene's `formats` too; return their paths."""
         folder = writable_folder(folder)
         shapes = save_shapes(folder, self.avatar, self.garments, checked_formats(formats))
-        return [*shapes, save_report(folder, self.report)]
+        return [*shapes, save_report(folder, self.report), save_view(folder, self)]
+
+    def _repr_html_(self) -> str:
+        """Return a view to turn, as notebooks show it."""
+        return framed(result_page(self))
 
 
 Record = Callable[[int, tuple[DressedGarment, ...]], None]
@@ -132,7 +138,9 @@ def save_shapes(
             uv_faces=garment.uv_faces, panel=garment.panel, panel_names=garment.panel_names,
             strain=garment.strain,
         )  # fmt: skip
-        written += [write_field_mesh(folder / f"{stem}.{kind}", fields) for kind in formats]
+        written += [
+            write_field_mesh(folder / f"{stem}.{kind}", fields) for kind in formats if kind in FORMATS
+        ]
     written.append(write_atomic(folder / "preview.png", dressed_png(avatar, garments)))
     return written
 
