@@ -23,14 +23,14 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
-from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
-from toile.dressing.wear.raised_arms import LEVEL, raised_arms
 from toile.dressing.wear.reel import Reel
-from toile.dressing.wear.rings import rolled_rings
 from toile.dressing.wear.sewn_pins import pins_in_time
-from toile.dressing.wear.sleeve_tubes import rolled_sleeves
+from toile.dressing.wear.start.hung_below import hung_below
+from toile.dressing.wear.start.raised_arms import LEVEL, raised_arms
+from toile.dressing.wear.start.rings import rolled_rings
+from toile.dressing.wear.start.sleeve_tubes import rolled_sleeves
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places

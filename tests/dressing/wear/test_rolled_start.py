@@ -12,8 +12,8 @@ from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.drafts import built_in
-from toile.dressing.wear.rings import facing_of, owner_of, rolled, rolled_rings
-from toile.dressing.wear.sleeve_tubes import rolled_sleeves
+from toile.dressing.wear.start.rings import facing_of, owner_of, rolled, rolled_rings
+from toile.dressing.wear.start.sleeve_tubes import rolled_sleeves
 from toile.geometry.arrays import Float
 
 
@@ -56,7 +56,7 @@ def test_a_roll_keeps_lengths_along_the_panel(angle: float) -> None:
             length = np.linalg.norm(np.diff(bent, axis=0), axis=1).sum()
             assert length == pytest.approx(np.hypot(*end), rel=1e-6)
             centre = bent - [0.03 * -axis[1], 0.03 * axis[0], 0.05]
-            off_axis = centre - np.outer(centre[:, :2] @ axis, [*axis, 0.0])
+            off_axis = centre - np.outer(centre[:, :2] @ axis, np.append(axis, 0.0))
             assert np.linalg.norm(off_axis, axis=1) == pytest.approx(0.17)
 
 

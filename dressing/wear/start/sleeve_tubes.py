@@ -13,7 +13,7 @@ from toile.collide.rigid_pieces import RigidPieces
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import on_sleeves
-from toile.dressing.wear.rings import OPEN, UPRIGHT, WIDER, facing_of, obstacle_of, owner_of, rolled
+from toile.dressing.wear.start.rings import OPEN, UPRIGHT, WIDER, facing_of, obstacle_of, owner_of, rolled
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 

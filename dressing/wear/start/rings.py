@@ -12,7 +12,7 @@ import numpy as np
 from toile.collide.rigid_pieces import RigidPieces
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import on_sleeves
-from toile.dressing.wear.hung_below import BELOW
+from toile.dressing.wear.start.hung_below import BELOW
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import area_normals
 
