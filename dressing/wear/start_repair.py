@@ -14,6 +14,7 @@ import numpy as np
 from toile.collide.rigid_pieces import RigidPieces
 from toile.collide.segments import SegmentTest
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.arms import on_sleeves
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
 from toile.geometry.normals import area_normals
@@ -121,7 +122,8 @@ def lift_over_shoulders(
         return np.asarray(test.crossing(start + up, end + up) | test.crossing(start + below, end + below))
 
     low = np.minimum(start[:, 1], end[:, 1]) < shoulder - SHOULDER_REACH
-    counted = ~(low & blocked(0.0))
+    # Sleeves find the arms when they are rolled.
+    counted = ~(low & blocked(0.0)) & ~on_sleeves(mesh)[mesh.stitches].all(axis=1)
 
     def cost(lift: float) -> float:
         return WORTH * spacing * float((blocked(lift) & counted).sum()) + lift
