@@ -10,6 +10,9 @@ from toile.engine.forces.hold import SewingHolds
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 
+APART = 0.1
+"""Gap from which seams close like a zipper [m]; smaller ones close faster in proportion."""
+
 
 def sew(drape: DrapeState) -> None:
     """Close all seams on schedule, and merge what has closed.
@@ -56,11 +59,13 @@ def close(drape: DrapeState) -> None:
         return
     gaps = drape.gaps()
     stitches.start_from(gaps)
-    closing = max(1, int(np.ceil(gaps.max() / plan.closing_per_step)))
+    # Seams whose edges lie side by side close first: tubes are tubes before they are joined.
+    closing = np.maximum(1.0, gaps / plan.closing_per_step)
     pairs = drape.cloth.stitches
     cloth = drape.cloth
     delay = zipper_distance(cloth.positions, pairs, cloth.seam, cloth.weld) / plan.zipper_per_step
-    total = closing + int(np.ceil(delay.max()))
+    delay *= np.minimum(gaps / APART, 1.0)
+    total = int(np.ceil((closing + delay).max()))
     stiffness, hold = plan.stitch_stiffness, plan.hold_stiffness
     node_share = np.ones(len(drape.cloth.positions))
     for count in range(total + plan.patience):
