@@ -23,15 +23,10 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
-from toile.dressing.wear.lay_on import laid_on
-from toile.dressing.wear.layer_order import flared_outside
 from toile.dressing.wear.reel import Reel
 from toile.dressing.wear.sewn_pins import pins_in_time
-from toile.dressing.wear.start.hung_below import hung_below
 from toile.dressing.wear.start.raised_arms import LEVEL, raised_arms
-from toile.dressing.wear.start.rings import rolled_rings
-from toile.dressing.wear.start.sleeve_tubes import rolled_sleeves
-from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
+from toile.dressing.wear.start.start_places import start_places
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
 from toile.dressing.wear.worn import Worn, worn_together
@@ -157,24 +152,8 @@ def _put_on(
         notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
     growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
     obstacle = (clothed.on(thin), clothed.faces)
-    shoulder = -np.inf if body is None else body.shoulder_point[1]
     arm_angle = 0.0 if body is None else float(LEVEL if raised is not None else body.arm_angle)
-    placed = []
-    for mesh, fabric in garments:
-        lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
-        notes += said
-        hung, said = hung_below(lifted, shoulder)
-        notes += said
-        layered, said = flared_outside(hung)
-        notes += said
-        ringed, said = rolled_rings(layered, obstacle, shoulder)
-        notes += said
-        tubed, said = rolled_sleeves(ringed, obstacle, body, arm_angle)
-        notes += said
-        placed.append((tubed, fabric))
-    meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
-    notes += said
-    meshes, said = clear_panels(meshes, obstacle)
+    meshes, said = start_places([mesh for mesh, _ in garments], obstacle, body, arm_angle)
     notes += said
     at_once, when_sewn = pins_in_time(meshes, options.pins)
     cloth = assemble_cloth(

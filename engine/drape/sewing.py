@@ -10,8 +10,8 @@ from toile.engine.forces.hold import SewingHolds
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 
-APART = 0.1
-"""Gap from which seams close like a zipper [m]; smaller ones close faster in proportion."""
+BESIDE = 0.15
+"""Largest gap of a seam whose edges lie side by side [m]."""
 
 
 def sew(drape: DrapeState) -> None:
@@ -59,12 +59,15 @@ def close(drape: DrapeState) -> None:
         return
     gaps = drape.gaps()
     stitches.start_from(gaps)
-    # Seams whose edges lie side by side close first: tubes are tubes before they are joined.
-    closing = np.maximum(1.0, gaps / plan.closing_per_step)
+    closing = np.full(len(gaps), max(1.0, np.ceil(gaps.max() / plan.closing_per_step)))
     pairs = drape.cloth.stitches
     cloth = drape.cloth
     delay = zipper_distance(cloth.positions, pairs, cloth.seam, cloth.weld) / plan.zipper_per_step
-    delay *= np.minimum(gaps / APART, 1.0)
+    # Seams whose edges lie side by side close first, and at once: tubes are tubes before they are joined.
+    farthest = np.zeros(int(cloth.seam.max()) + 1)
+    np.maximum.at(farthest, cloth.seam, gaps)
+    beside = farthest[cloth.seam] < BESIDE
+    closing[beside], delay[beside] = np.maximum(1.0, gaps[beside] / plan.closing_per_step), 0.0
     total = int(np.ceil((closing + delay).max()))
     stiffness, hold = plan.stitch_stiffness, plan.hold_stiffness
     node_share = np.ones(len(drape.cloth.positions))
