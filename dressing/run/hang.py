@@ -47,7 +47,7 @@ MOST_RETRIED = 8e5
 LAST_WORK, LAST_PER_FACE = 1e6, 300
 """What the last attempt may take then until the garment settles: at least; and per face, or twice what the
 one before took, as long as there is as much left."""
-ALL_WORK = 5e6
+ALL_WORK = 3.5e6
 """What all attempts may take together: 60 CPU s or less."""
 
 

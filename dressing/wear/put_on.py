@@ -55,9 +55,9 @@ LEAST_MERGE_GAP, MERGE_GAP = 0.006, 0.5
 LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
-MOST_WORK, MOST_PER_FACE = 1e6, 600
-"""Newton iterations times faces after which a garment that is still being put on is given up: at least, and
-per face of the mesh at the start. Three times what any takes that is put on in its first mesh."""
+MOST_WORK, MOST_PER_FACE, MOST_IN_ALL = 1e6, 600, 2.5e6
+"""Newton iterations times faces after which a garment that is still being put on is given up: at least,
+per face of the mesh at the start, and at most. Three times what any takes that is put on in its first mesh."""
 HELD_WITHIN = 0.015
 """Distance within which cloth may hold back the body [m]."""
 
@@ -160,7 +160,7 @@ def _put_on(
         [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], at_once
     )
     watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
-    most = max(MOST_WORK, MOST_PER_FACE * len(cloth.faces))
+    most = min(max(MOST_WORK, MOST_PER_FACE * len(cloth.faces)), MOST_IN_ALL)
     plan = _plan(options, _all_fabrics(garments))
     plan = replace(plan, most_work=most if plan.most_work is None else min(most, plan.most_work))
     run = Drape(cloth, obstacle, growth, plan, reel.showing(watch), when_sewn)

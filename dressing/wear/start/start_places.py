@@ -33,11 +33,11 @@ def start_places(
         rolled.append(tubed)
         rolled_said += [*said, *more]
     try:
-        cleared, said = _cleared(rolled, avatar)
-        return cleared, [*flat_said, *rolled_said, *said]
+        cleared, notes = _cleared(rolled, avatar)
+        return cleared, [*flat_said, *rolled_said, *notes]
     except InputError:
-        cleared, said = _cleared(flat, avatar)
-        return cleared, [*flat_said, *said]
+        cleared, notes = _cleared(flat, avatar)
+        return cleared, [*flat_said, *notes]
 
 
 def _cleared(meshes: list[GarmentMesh], avatar: tuple[Float, Int]) -> tuple[list[GarmentMesh], list[str]]:

@@ -19,8 +19,8 @@ def scene(garment: str = "tshirt") -> toile.Scene:
 @pytest.mark.parametrize(
     ("most", "what", "where"),
     [
-        (30, "46 stitches did not close, gap up to 17 mm", "right_sleeve_front.2 - right_sleeve_back.1"),
-        (80, "jammed while it was still growing", "under the cloth the body lacks 0 mm near (-0.66, 0.84"),
+        (10, "66 stitches did not close, gap up to 196 mm", "left_sleeve_front.0 - front.2"),
+        (45, "jammed while it was still growing", "the body lacks 16 mm near (-0.08, 1.40, 0.01) m"),
     ],
 )
 def test_the_first_attempt_has_a_limit_of_work(
@@ -56,7 +56,7 @@ def test_attempts_in_the_same_triangles_are_made_once(
 def test_the_last_attempt_gets_what_is_left_but_enough(tmp_path: Path) -> None:
     mesh = read(tmp_path, tube())
     assert hang._work_left([mesh], 900_000, 600_000) == 1_200_000, "twice what the one before took"
-    assert hang._work_left([mesh], 3_000_000, 2_000_000) == 2_000_000, "five million in all"
+    assert hang._work_left([mesh], 2_000_000, 1_500_000) == 1_500_000, "three and a half million in all"
     many = [mesh] * (8000 // len(mesh.faces))
     faces = len(many) * len(mesh.faces)
     assert hang._work_left(many, 900_000, 800_000) == 300 * faces, "what jammed garments need once more"

@@ -54,7 +54,7 @@ def test_a_roll_keeps_lengths_along_the_panel(angle: float) -> None:
             flat = np.column_stack([line, np.full(len(line), 0.3)])
             bent = rolled(flat, np.full(len(line), facing), 0.17, axis, 0.02, (0.03, 0.05))
             length = np.linalg.norm(np.diff(bent, axis=0), axis=1).sum()
-            assert length == pytest.approx(np.hypot(*end), rel=1e-6)
+            assert length == pytest.approx(np.linalg.norm(end), rel=1e-6)
             centre = bent - [0.03 * -axis[1], 0.03 * axis[0], 0.05]
             off_axis = centre - np.outer(centre[:, :2] @ axis, np.append(axis, 0.0))
             assert np.linalg.norm(off_axis, axis=1) == pytest.approx(0.17)
