@@ -56,8 +56,8 @@ LEAST_LATE_STIFFNESS, LATE_STIFFNESS = 1000.0, 6e4
 """Stiffness of a stitch that is open after sewing: at least [N/m], and per edge length [N/m^2]."""
 PEAK_OVER_RMS = 10.0
 MOST_WORK, MOST_PER_FACE, MOST_IN_ALL = 1e6, 600, 2.5e6
-"""Newton iterations times faces after which a garment that is still being put on is given up: at least,
-per face of the mesh at the start, and at most. Three times what any takes that is put on in its first mesh."""
+"""Newton iterations times faces after which a garment that is still being put on is given up: at least, per
+face of the mesh at the start, and at most. Three times what any takes that is put on in its first mesh."""
 HELD_WITHIN = 0.015
 """Distance within which cloth may hold back the body [m]."""
 

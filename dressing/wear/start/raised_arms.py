@@ -8,16 +8,21 @@ come down on it.
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import ELBOW, NEAR, REACH, on_sleeves
+from toile.dressing.wear.start.hung_below import BELOW
+from toile.dressing.wear.start.rings import owner_of
 from toile.geometry.arrays import Bool, Float, Int
 
 LEVEL = np.radians(5.0)
 """How far below the horizontal arms point that are raised."""
 FREE = 0.2
 """How far along the arm panels beside sleeves may reach [m]: the sides of a wide bodice do."""
+NEAR_SLEEVE = 0.02
+"""Distance from a sleeve, seen from the front, at which another panel covers it [m]."""
 ROOT = -0.03, 0.10
 """Where along the arm skin begins to turn with it, and where it turns in full [m]."""
 SMOOTHING = 12
@@ -60,16 +65,20 @@ def _arm(body: Measurements, sign: float) -> tuple[Float, Float]:
 
 
 def _covers_sleeves(mesh: GarmentMesh, body: Measurements) -> bool:
-    """Whether other panels cover sleeves, seen from the front."""
+    """Whether panels that do not hang from the shoulders cover sleeves, seen from the front."""
     sleeves = on_sleeves(mesh)
+    owner = owner_of(mesh)
+    top = np.full(len(mesh.panel_names), -np.inf)
+    np.maximum.at(top, owner, mesh.positions[:, 1])
+    lower = ~sleeves & (top < body.shoulder_point[1] - BELOW)[owner]
     for sign in (1.0, -1.0):
         shoulder, axis = _arm(body, sign)
         own = mesh.positions[sleeves & (sign * mesh.positions[:, 0] > 0.0)] - shoulder
-        other = mesh.positions[~sleeves] - shoulder
+        other = mesh.positions[lower] - shoulder
         longest = float((own @ axis).max(initial=0.0))
         reach = other @ axis
-        beside = np.abs(other[:, 0] * axis[1] - other[:, 1] * axis[0])
-        if bool(((reach > FREE) & (reach < longest) & (beside < 0.5 * NEAR)).any()):
+        beside = other[(reach > FREE) & (reach < longest)]
+        if len(own) and len(beside) and cKDTree(own[:, :2]).query(beside[:, :2])[0].min() < NEAR_SLEEVE:
             return True
     return False
 
