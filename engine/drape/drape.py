@@ -34,9 +34,6 @@ class Drape(DrapeState):
         self.close_frame(0)
         if self.phase == "sewing":
             sew(self)
-        # Nothing that is drawn apart closes what gapes: another attempt costs less than to find out.
-        if self._gives_up(bool((self.gaps() > HOPELESS).any())):
-            return self.record
         relax_tangles(self)
         # Another mesh is cheaper than a second attempt on this one.
         if self._gives_up(bool(self.ghost.any())):
