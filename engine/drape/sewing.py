@@ -10,9 +10,6 @@ from toile.engine.forces.hold import SewingHolds
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 
-BESIDE = 0.15
-"""Largest gap of a seam whose edges lie side by side [m]."""
-
 
 def sew(drape: DrapeState) -> None:
     """Close all seams on schedule, and merge what has closed.
@@ -59,16 +56,11 @@ def close(drape: DrapeState) -> None:
         return
     gaps = drape.gaps()
     stitches.start_from(gaps)
-    closing = np.full(len(gaps), max(1.0, np.ceil(gaps.max() / plan.closing_per_step)))
+    closing = max(1, int(np.ceil(gaps.max() / plan.closing_per_step)))
     pairs = drape.cloth.stitches
     cloth = drape.cloth
     delay = zipper_distance(cloth.positions, pairs, cloth.seam, cloth.weld) / plan.zipper_per_step
-    # Seams whose edges lie side by side close first, and at once: tubes are tubes before they are joined.
-    farthest = np.zeros(int(cloth.seam.max()) + 1)
-    np.maximum.at(farthest, cloth.seam, gaps)
-    beside = farthest[cloth.seam] < BESIDE
-    closing[beside], delay[beside] = np.maximum(1.0, gaps[beside] / plan.closing_per_step), 0.0
-    total = int(np.ceil((closing + delay).max()))
+    total = closing + int(np.ceil(delay.max()))
     stiffness, hold = plan.stitch_stiffness, plan.hold_stiffness
     node_share = np.ones(len(drape.cloth.positions))
     for count in range(total + plan.patience):

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.wear.arms import on_sleeves
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 
@@ -35,7 +36,7 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
     top = np.full(count, -np.inf)
     np.maximum.at(top, owner, mesh.positions[:, 1])
     ends = owner[mesh.stitches]
-    positions = mesh.positions.copy()
+    positions, sleeve = mesh.positions.copy(), on_sleeves(mesh)
     done: Bool = top >= shoulder - BELOW
     notes = []
     while done.any() and not done.all():
@@ -50,6 +51,8 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
         for number in np.unique(piece[tier]):
             own = tier & (piece == number)
             shift = _shift(positions, mesh.stitches[joins], own[ends[joins]])
+            if not sleeve[own[owner]].any():
+                shift[0] = 0.0  # Legs and their cuffs stay where the body's legs are.
             if np.linalg.norm(shift) < LEAST:
                 continue
             positions[own[owner]] += shift

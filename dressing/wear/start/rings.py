@@ -21,6 +21,8 @@ OPEN = 1.04
 """Circumference of a ring over the width of its panels: their edges start apart."""
 WIDER = 1.0, 1.1, 1.2, 1.35, 1.5, 1.75
 """Factors on the radius of a ring, the next where the body is in its way."""
+OVERLAP = 0.02
+"""How far panels of a bodice may overlap at its front and back together [m]: what buttons up stays flat."""
 UPRIGHT = 0.98
 """Least share of a panel's normal towards front or back."""
 COLLAR = 0.12
@@ -117,7 +119,8 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
     if all(side.any() for side in sides):
         width = sum(float(high[side, 0].max() - low[side, 0].min()) for side in sides)
         ring = Ring(bodice, BODICE_OPEN * width / (2.0 * np.pi))
-        if ring.radius < BODICE:
+        overlap = float((high[bodice, 0] - low[bodice, 0]).sum()) - width
+        if ring.radius < BODICE and overlap < OVERLAP:
             found.append(ring)
     return [
         ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()
