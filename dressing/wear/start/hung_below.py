@@ -50,9 +50,9 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
         piece = connected(within, count)
         for number in np.unique(piece[tier]):
             own = tier & (piece == number)
-            shift = _shift(positions, mesh.stitches[joins], own[ends[joins]])
-            if not sleeve[own[owner]].any():
-                shift[0] = 0.0  # Legs and their cuffs stay where the body's legs are.
+            # Legs and their cuffs stay where the body's legs are, seen from above.
+            sideways = bool(sleeve[own[owner]].any())
+            shift = _shift(positions, mesh.stitches[joins], own[ends[joins]], sideways)
             if np.linalg.norm(shift) < LEAST:
                 continue
             positions[own[owner]] += shift
@@ -65,10 +65,12 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
-def _shift(positions: Float, stitches: Int, own: Bool) -> Float:
-    """How far a piece moves, in x and y, so that its side of stitches, marked (s, 2), meets the other."""
+def _shift(positions: Float, stitches: Int, own: Bool, sideways: bool) -> Float:
+    """How far a piece moves, in y and perhaps x, for its side of stitches, marked (s, 2), to meet the other."""
     mine, other = positions[stitches[own]], positions[stitches[:, ::-1][own]]
     way = (other - mine).mean(axis=0)
     way[2] = 0.0
+    if not sideways:
+        way[0] = 0.0
     length = float(np.linalg.norm(way))
     return np.asarray(way * max(0.0, 1.0 - ROOM / max(length, 1e-12)))

@@ -78,7 +78,7 @@ def _covers_sleeves(mesh: GarmentMesh, body: Measurements) -> bool:
         longest = float((own @ axis).max(initial=0.0))
         reach = other @ axis
         beside = other[(reach > FREE) & (reach < longest)]
-        if len(own) and len(beside) and cKDTree(own[:, :2]).query(beside[:, :2])[0].min() < NEAR_SLEEVE:
+        if len(own) and len(beside) and np.min(cKDTree(own[:, :2]).query(beside[:, :2])[0]) < NEAR_SLEEVE:
             return True
     return False
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.dressing.wear.test_start_repair import panels
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.body.measure import measure
@@ -12,6 +13,9 @@ from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.drafts import built_in
+from toile.dressing.wear.arms import on_sleeves
+from toile.dressing.wear.start.hung_below import ROOM, hung_below
+from toile.dressing.wear.start.raised_arms import STAGES, raised_arms
 from toile.dressing.wear.start.rings import facing_of, owner_of, rolled, rolled_rings
 from toile.dressing.wear.start.sleeve_tubes import rolled_sleeves
 from toile.geometry.arrays import Float
@@ -89,3 +93,45 @@ def test_what_is_no_ring_stays_flat(shirt: GarmentMesh, body: Avatar, measured: 
     assert rolled_sleeves(curved, obstacle, measured, measured.arm_angle)[0] is curved
     assert rolled_rings(shirt, obstacle, -np.inf)[0] is shirt, "a body that cannot be measured"
     assert rolled_sleeves(shirt, obstacle, None, 0.0)[0] is shirt
+
+
+def test_a_lower_tier_starts_right_below_what_it_hangs_from(measured: Measurements) -> None:
+    level = measured.shoulder_point[1]
+    two = panels(0.2, 0.3, -0.3)
+    # The first panel hangs from the shoulders, its lower edge 10 cm above the upper edge of the second.
+    low = np.repeat([[0.0, level - 0.2, 0.0], [0.05, level - 0.7, 0.0]], 4, axis=0)
+    tiers = replace(two, positions=two.positions + low, stitches=np.array([(0, 7), (1, 6)], np.int32))
+    hung, notes = hung_below(tiers, level)
+    gap = hung.positions[tiers.stitches[:, 0]] - hung.positions[tiers.stitches[:, 1]]
+    assert gap[:, 1] == pytest.approx(ROOM), "all but a little room"
+    assert np.array_equal(hung.positions[:4], tiers.positions[:4])
+    assert hung.positions[4:, [0, 2]] == pytest.approx(tiers.positions[4:, [0, 2]]), "only the height changes"
+    assert len(notes) == 1 and "panel 1 start 9 cm nearer" in notes[0]
+    assert hung_below(replace(tiers, stitches=tiers.stitches[:0], seam=tiers.seam[:0]), level)[1] == ()
+
+
+def test_arms_are_raised_for_sleeves_that_a_skirt_covers(
+    shirt: GarmentMesh, body: Avatar, measured: Measurements
+) -> None:
+    assert raised_arms(body.vertices, body.faces, measured, [shirt]) is None
+    sleeves = on_sleeves(shirt)
+    skirt = replace(
+        shirt, panel_roles=tuple("leg" if role != "sleeve" else role for role in shirt.panel_roles)
+    )
+    lowered = skirt.positions.copy()
+    lowered[~sleeves] = (lowered[~sleeves] - [0.0, 0.25, 0.0]) * [3.0, 1.0, 1.0]
+    found = raised_arms(body.vertices, body.faces, measured, [replace(skirt, positions=lowered)])
+    assert found is not None
+    (first, *later), (raised,) = found
+    assert len(later) == STAGES - 1
+    hand = int(body.vertices[:, 0].argmax())
+    heights = [shape[hand, 1] for shape in (first, *later, body.vertices)]
+    assert (np.diff(heights) < 0.0).all() and heights[0] > measured.shoulder_point[1] - 0.15
+    # Every stage keeps the arm's length to 1 %: hands are not drawn back through cuffs.
+    shoulder = np.array(measured.shoulder_point)
+    reach = [float(np.linalg.norm(shape[hand] - shoulder)) for shape in (first, *later, body.vertices)]
+    assert reach == pytest.approx([reach[-1]] * len(reach), rel=0.01)
+    assert np.array_equal(raised.positions[~sleeves], lowered[~sleeves])
+    assert lengths(raised, raised.positions) == pytest.approx(lengths(raised, lowered)), (
+        "sleeves turn rigidly"
+    )
