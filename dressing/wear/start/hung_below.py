@@ -66,7 +66,7 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
 
 
 def _shift(positions: Float, stitches: Int, own: Bool, sideways: bool) -> Float:
-    """How far a piece moves, in y and perhaps x, for its side of stitches, marked (s, 2), to meet the rest."""
+    """How far a piece moves, in y and perhaps x, for its side of stitches, marked (s, 2), to meet these."""
     mine, other = positions[stitches[own]], positions[stitches[:, ::-1][own]]
     way = (other - mine).mean(axis=0)
     way[2] = 0.0
