@@ -37,9 +37,9 @@ def flared_outside(mesh: GarmentMesh) -> tuple[GarmentMesh, tuple[str, ...]]:
         one, other = int(owner[pairs[0, 0]]), int(owner[pairs[0, 1]])
         if one == other:
             continue
-        curl = [_curl(mesh.uv[pairs[:, side]]) for side in (0, 1)]
-        flared, above = (one, other) if curl[0] > curl[1] else (other, one)
-        if max(curl) < CURLED or abs(facing[flared]) < FACING or facing[flared] * facing[above] <= 0.0:
+        curls = [curl(mesh.uv[pairs[:, side]]) for side in (0, 1)]
+        flared, above = (one, other) if curls[0] > curls[1] else (other, one)
+        if max(curls) < CURLED or abs(facing[flared]) < FACING or facing[flared] * facing[above] <= 0.0:
             continue
         hanging, upper = np.flatnonzero(owner == flared), np.flatnonzero(owner == above)
         if not _overlap(positions[hanging], positions[upper]):
@@ -69,7 +69,7 @@ def _height(mesh: GarmentMesh, pairs: Int) -> float:
     return float(mesh.positions[pairs.ravel(), 1].mean())
 
 
-def _curl(line: Float) -> float:
+def curl(line: Float) -> float:
     """Length of a polyline, shape (k, 2), over the distance of its ends."""
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     return float(length / max(float(np.linalg.norm(line[-1] - line[0])), 1e-9))

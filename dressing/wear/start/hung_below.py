@@ -11,11 +11,10 @@ import numpy as np
 
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import on_sleeves
+from toile.dressing.wear.start.rings import BELOW, facing_of, is_flared, owner_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
 
-BELOW = 0.1
-"""How far below the shoulders panels may end that hang from them [m]."""
 ROOM = 0.01
 """Room that stays between the edges of two tiers [m]."""
 LEAST = 0.005
@@ -26,13 +25,13 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
     """Move the tiers of a garment that reaches the shoulders, at a height [m], to those they hang from.
 
     Pieces of a tier that hang together move as one, seen from the front, by the mean distance of the seams
-    that join them to the tier above. Returns the garment and one sentence for each piece that moved.
+    that join them to the tier above. Flared pieces stay, whose edge lies straight only when it is sewn, and
+    all stays where a piece has no front or no back. Returns one sentence for each piece that moved as well.
     """
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
     count = len(mesh.panel_names)
-    owner = np.zeros(len(mesh.positions), np.int32)
-    owner[mesh.faces.ravel()] = np.repeat(mesh.panel, 3)
+    owner, facing = owner_of(mesh), facing_of(mesh)
     top = np.full(count, -np.inf)
     np.maximum.at(top, owner, mesh.positions[:, 1])
     ends = owner[mesh.stitches]
@@ -50,6 +49,11 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
         piece = connected(within, count)
         for number in np.unique(piece[tier]):
             own = tier & (piece == number)
+            if facing[own].min() * facing[own].max() >= 0.0:
+                # Half of a ring would come to lie elsewhere than the other one.
+                return mesh, ()
+            if is_flared(mesh, joins & own[ends].any(axis=1), own[ends]):
+                continue
             # Legs and their cuffs stay where the body's legs are, seen from above.
             sideways = bool(sleeve[own[owner]].any())
             shift = _shift(positions, mesh.stitches[joins], own[ends[joins]], sideways)
@@ -66,7 +70,7 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
 
 
 def _shift(positions: Float, stitches: Int, own: Bool, sideways: bool) -> Float:
-    """How far a piece moves, in y and perhaps x, for its side of stitches, marked (s, 2), to meet these."""
+    """How far a piece moves, in y and perhaps x, for its ends of stitches, marked, to meet the rest."""
     mine, other = positions[stitches[own]], positions[stitches[:, ::-1][own]]
     way = (other - mine).mean(axis=0)
     way[2] = 0.0

@@ -13,8 +13,7 @@ from scipy.spatial import cKDTree
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import ELBOW, NEAR, REACH, on_sleeves
-from toile.dressing.wear.start.hung_below import BELOW
-from toile.dressing.wear.start.rings import owner_of
+from toile.dressing.wear.start.rings import BELOW, owner_of
 from toile.geometry.arrays import Bool, Float, Int
 
 LEVEL = np.radians(5.0)

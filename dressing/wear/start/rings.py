@@ -12,10 +12,12 @@ import numpy as np
 from toile.collide.rigid_pieces import RigidPieces
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import on_sleeves
-from toile.dressing.wear.start.hung_below import BELOW
+from toile.dressing.wear.layer_order import CURLED, curl
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.normals import area_normals
 
+BELOW = 0.1
+"""How far below the shoulders panels may end that hang from them [m]."""
 UP = np.array([0.0, 1.0])
 OPEN = 1.04
 """Circumference of a ring over the width of its panels: their edges start apart."""
@@ -120,11 +122,28 @@ def _rings(mesh: GarmentMesh, owner: Int, shoulder: float) -> list[Ring]:
         width = sum(float(high[side, 0].max() - low[side, 0].min()) for side in sides)
         ring = Ring(bodice, BODICE_OPEN * width / (2.0 * np.pi))
         overlap = float((high[bodice, 0] - low[bodice, 0]).sum()) - width
-        if ring.radius < BODICE and overlap < OVERLAP:
+        ends = owner[mesh.stitches]
+        other = ~bodice[ends] & ~on_sleeves(mesh)[mesh.stitches] & ~collar[ends]
+        flared = is_flared(mesh, other.any(axis=1) & bodice[ends].any(axis=1), other)
+        if ring.radius < BODICE and overlap < OVERLAP and not flared:
             found.append(ring)
     return [
         ring for ring in found if (low[ring.panels, 0] < 0.0).any() and (high[ring.panels, 0] > 0.0).any()
     ]
+
+
+def is_flared(mesh: GarmentMesh, joins: Bool, own: Bool) -> bool:
+    """Whether panels, marked at the ends of stitches (s, 2), have a curled edge at the `joins` (s,) together.
+
+    The edge of a panel may be cut into several seams, each of them almost straight.
+    """
+    vertices = np.unique(mesh.stitches[joins][own[joins]])
+    panel = owner_of(mesh)[vertices]
+    for number in np.unique(panel):
+        line = mesh.uv[vertices[panel == number]]
+        if curl(line[np.argsort(line[:, 0], kind="stable")]) > CURLED:
+            return True
+    return False
 
 
 def obstacle_of(avatar: tuple[Float, Int]) -> RigidPieces:
