@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.fit import add_fit
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
     BAD_INPUT,
@@ -110,6 +111,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.set_defaults(run=_run_patterns)
 
     add_measure(commands)
+    add_fit(commands)
     add_pattern(commands)
     add_batch(commands)
     add_bench(commands)
@@ -175,6 +177,14 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
         "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
     )
+    dress.add_argument(
+        "--fit", action="store_true",
+        help="write how garments fit: fit.json, fit.png and meshes with pressure, strain, tension and ease",
+    )  # fmt: skip
+    dress.add_argument(
+        "--check", action="store_true",
+        help="--fit with error bars: the garments are draped once more on another mesh",
+    )  # fmt: skip
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
     dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")

@@ -47,7 +47,8 @@ LONGEST_STEP = 1.0 / 60.0
 class Followed:
     """Outcome of a motion: garments and avatar at its end, why it ended early, figures, times.
 
-    `count` is the number of the film's frames: none where its lead-in failed.
+    `count` is the number of the film's frames: none where its lead-in failed. `last` is the state at its end,
+    in the body's frame.
     """
 
     garments: tuple[DressedGarment, ...]
@@ -57,6 +58,7 @@ class Followed:
     figures: dict[str, Any]
     stages: dict[str, Spent]
     count: int
+    last: FilmState
 
 
 def frame_path(frames: Path, name: str, index: int) -> Path:
@@ -143,7 +145,7 @@ def follow(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
         figures=_figures(made, motion),
-        stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0),
+        stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0), last=film.state(),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
+from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -20,6 +21,9 @@ from toile.remesh.sizing.sizing import SizingOptions
 
 OFF = "off"
 """The `lead_in` of an avatar that has none."""
+CHECKED = "checked"
+FIT_WORDS = (OFF, "maps", CHECKED)
+"""What a scene may say of fit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,6 +197,9 @@ class Scene:
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
+    fit
+        "maps" writes how the garments fit: pressure on the body, strain, tension and ease; "checked" drapes
+        them once more on another mesh, which gives error bars; "off" writes nothing of it.
     """
 
     garments: Sequence[Garment]
@@ -210,6 +217,7 @@ class Scene:
     air: Air | None = None
     formats: Sequence[str] = ()
     ground: bool | float = True
+    fit: str = "off"
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""
@@ -236,6 +244,8 @@ class Scene:
         quality_preset(self.quality)
         formats = [self.formats] if isinstance(self.formats, str) else self.formats
         object.__setattr__(self, "formats", checked_formats(formats))
+        if self.fit not in FIT_WORDS:
+            raise InputError(unknown_name("fit", str(self.fit), FIT_WORDS), field="fit")
         _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
         _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
         _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")

@@ -55,6 +55,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: still air or wind on garments that follow a moving body"),
         "formats": (list, "formats of garments in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
+        "fit": (str, "maps: write how garments fit; checked: with error bars, by a second mesh"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
@@ -191,7 +192,16 @@ class _SceneReader:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
         plain = {
             key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats")
+            for key in (
+                "quality",
+                "edge_length",
+                "max_frames",
+                "gravity",
+                "ground",
+                "friction",
+                "formats",
+                "fit",
+            )
             if key in data
         }
         tables: dict[str, Any] = {
