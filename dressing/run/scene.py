@@ -200,6 +200,8 @@ class Scene:
     fit
         "maps" writes how the garments fit: pressure on the body, strain, tension and ease; "checked" drapes
         them once more on another mesh, which gives error bars; "off" writes nothing of it.
+    certificate
+        Whether to write certificate.json, by which `toile verify` checks the result again.
     """
 
     garments: Sequence[Garment]
@@ -218,6 +220,7 @@ class Scene:
     formats: Sequence[str] = ()
     ground: bool | float = True
     fit: str = "off"
+    certificate: bool = False
 
     def __post_init__(self) -> None:
         """Accept convenient spellings and check numbers. Raises InputError naming the field."""

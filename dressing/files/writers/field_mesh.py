@@ -70,8 +70,8 @@ def write_field_mesh(path: Path, mesh: FieldMesh) -> Path:
     """Write a file of the format that its extension, one of FORMATS, says; return its path.
 
     Point data: `uv`, pattern coordinates [m] with a third component of 0, and `node`, which is the same for
-    points that are sewn together, and the mesh's fields. Cell data: `panel`, `strain_warp` and `strain_weft`. Gmsh files name the
-    panels as physical surfaces, Abaqus files as element sets.
+    points that are sewn together, and the mesh's fields. Cell data: `panel`, `strain_warp` and `strain_weft`.
+    Gmsh files name the panels as physical surfaces, Abaqus files as element sets.
     """
     import meshio
 
