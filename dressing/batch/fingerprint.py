@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import re
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -11,9 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from toile.dressing.files.on_disk import is_file, is_folder
-from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
-from toile.dressing.pattern.drawn.seams_file import seams_file_of
+from toile.dressing.certificate.input_files import files_of
 from toile.dressing.run.garment_source import built_in_name
 from toile.dressing.run.scene import Garment, Scene
 
@@ -87,16 +84,3 @@ class Fingerprints:
         except OSError:
             # The job itself will say what is wrong with it; once it is mended, the fingerprint changes.
             return UNREADABLE
-
-
-def files_of(path: Path) -> list[Path]:
-    """Return the files behind a path of a scene: itself and what it needs beside it, or a folder's files."""
-    if is_folder(path):
-        return sorted(entry for entry in path.iterdir() if entry.is_file())
-    if path.suffix.lower() == ".gltf" and is_file(path):
-        named = re.findall(r'"uri"\s*:\s*"([^"]+)"', path.read_text(encoding="utf-8", errors="replace"))
-        return [path, *(path.parent / name for name in named if not name.startswith("data:"))]
-    if path.suffix.lower() in DRAWN_FORMATS:
-        beside = seams_file_of(path)
-        return [path, beside] if is_file(beside) else [path]
-    return [path]

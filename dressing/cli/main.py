@@ -28,6 +28,7 @@ from toile.dressing.cli.parser import (
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
+from toile.dressing.cli.verify import add_verify
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ def command_parser() -> argparse.ArgumentParser:
 
     add_measure(commands)
     add_fit(commands)
+    add_verify(commands)
     add_pattern(commands)
     add_batch(commands)
     add_bench(commands)
@@ -184,6 +186,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress.add_argument(
         "--check", action="store_true",
         help="--fit with error bars: the garments are draped once more on another mesh",
+    )  # fmt: skip
+    dress.add_argument(
+        "--certificate", action="store_true", default=None,
+        help="write certificate.json, by which toile verify checks the result again",
     )  # fmt: skip
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")

@@ -31,6 +31,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
             "max_frames",
             "formats",
             "ground",
+            "certificate",
         )
         if (value := getattr(options, name)) is not None
     }

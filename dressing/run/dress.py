@@ -4,7 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toile.dressing.files.writers.atomic import writable_folder
+from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
 from toile.dressing.run.listener import Listener, Say
@@ -111,6 +112,8 @@ def _to_the_end(
         save_report(checkpoint.output, result.report)
         if scene.fit != OFF:
             _write_fit(scene, hung, last, result, checkpoint.output, listener)
+        if scene.certificate:
+            _certify(scene, result, checkpoint.output)
         if result.status != "cancelled":
             checkpoint.end()
     return result
@@ -183,6 +186,23 @@ def _write_fit(
     tables = write_fit(folder, worn, [file_stem(garment.name) for garment in result.garments], check)
     for sentence in fit_sentences(tables):
         listener.say(sentence)
+
+
+def _certify(scene: ResolvedScene, result: Result, folder: Path) -> None:
+    """Write the body as the garments meet it, and the certificate of all that is written."""
+    from toile.dressing.certificate.certificate import CertifiedGarment, write_certificate
+
+    avatar = result.avatar
+    write_atomic(folder / "body.ply", ply_bytes(avatar.to_source(avatar.vertices), avatar.faces))
+    write_certificate(
+        folder, scene, result.report,
+        [
+            CertifiedGarment(
+                file_stem(garment.name), 0 if garment.trims is None else len(garment.trims.faces)
+            )
+            for garment in result.garments
+        ],
+    )  # fmt: skip
 
 
 def _worn(hung: Hung) -> "Worn":

@@ -90,7 +90,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats, ground, fit
+    formats, ground, fit, certificate
         As in `Scene`.
     """
 
@@ -110,6 +110,7 @@ class ResolvedScene:
     formats: Sequence[str]
     ground: bool | float
     fit: str = OFF
+    certificate: bool = False
 
     def on_another_mesh(self, factor: float) -> "ResolvedScene":
         """Return the same scene in triangles longer by a factor."""
@@ -164,6 +165,7 @@ def resolve(scene: Scene) -> ResolvedScene:
         formats=scene.formats,
         ground=scene.ground,
         fit=scene.fit,
+        certificate=scene.certificate,
     )  # fmt: skip
 
 
