@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
+from toile.dressing.cli.fabric import add_fabric
 from toile.dressing.cli.fit import add_fit
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
@@ -111,6 +112,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_measurements(patterns)
     patterns.set_defaults(run=_run_patterns)
 
+    add_fabric(commands)
     add_measure(commands)
     add_fit(commands)
     add_verify(commands)
