@@ -8,16 +8,15 @@ import argparse
 import subprocess
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
 from typing import NamedTuple
 from zipfile import ZIP_STORED, ZipFile
 
+from toile.blender_addon.own_wheel import packed_again, project
 from toile.dressing.files.writers.atomic import replacing, writable_folder
 from toile.geometry.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent
-ROOT = FOLDER.parent
 INIT = '''"""Toile in Blender; the code is in the wheels."""
 
 import sys
@@ -65,22 +64,25 @@ TARGETS = {
 
 def build(output: Path, platform: str, target: Target) -> Path:
     """Build one zip and return its path. Raises InputError where wheels cannot be had."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    facts = project()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        _pip("wheel", "--no-deps", "-w", name, str(ROOT))
+        if facts.checkout is None:
+            packed_again(folder)
+        else:
+            _pip("wheel", "--no-deps", "-w", name, str(facts.checkout))
         tags = [argument for tag in PLATFORMS[platform] for argument in ("--platform", tag)]
-        wanted = [entry for entry in project["dependencies"] if not entry.startswith("numpy")]
+        wanted = [entry for entry in facts.dependencies if not entry.startswith("numpy")]
         _pip("download", "--only-binary=:all:", "--python-version", target.python, *tags,
              "-d", name, *wanted, target.numpy)  # fmt: skip
         wheels = sorted(path for path in folder.glob("*.whl") if not path.name.startswith("numpy-"))
         manifest = (FOLDER / "blender_manifest.toml").read_text(encoding="utf-8")
         manifest = manifest.format(
-            version=project["version"], platform=platform, blender_min=target.blender_min,
+            version=facts.version, platform=platform, blender_min=target.blender_min,
             blender_max=target.blender_max,
             wheels="\n".join(f'    "./wheels/{path.name}",' for path in wheels),
         )  # fmt: skip
-        made = output / f"toile-{project['version']}-{platform}-py{target.python.replace('.', '')}.zip"
+        made = output / f"toile-{facts.version}-{platform}-py{target.python.replace('.', '')}.zip"
         with replacing(made) as temporary, ZipFile(temporary, "w", ZIP_STORED) as archive:
             archive.writestr("blender_manifest.toml", manifest)
             archive.writestr("__init__.py", INIT)
@@ -97,8 +99,9 @@ def _pip(*arguments: str) -> None:
         capture_output=True, text=True,
     )  # fmt: skip
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
-        raise InputError(f"pip {arguments[0]} failed: {(lines or ['no reason given'])[-1]}")
+        told = done.stderr.strip().splitlines() or ["no reason given"]
+        lines = [line for line in told if line.startswith("ERROR")]
+        raise InputError(f"pip {arguments[0]} failed: {(lines or told)[-1]}")
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -11,13 +11,17 @@ from typing import Any
 
 import bpy
 
+from toile.blender_addon.dressed import Dressed
 from toile.blender_addon.engine_process import EngineProcess
-from toile.blender_addon.pattern_object import pattern_object
-from toile.blender_addon.problem import Problem
-from toile.blender_addon.result import select_faces, show_frames
+from toile.blender_addon.frame_folders import remove_orphans
+from toile.blender_addon.pattern_object import draft_key, drafted_for, pattern_object
+from toile.blender_addon.problem import Problem, check_editable
 from toile.blender_addon.run import Current, Run, Steps
-from toile.blender_addon.snapshot.scene_folder import cache_folder, of_role, stems, write_scene
+from toile.blender_addon.snapshot.cast import Cast, casts, draft_cast
+from toile.blender_addon.snapshot.scene_folder import check_settings, write_scene
 from toile.blender_addon.snapshot.wind import not_understood
+
+THICKENED = "is an open surface: cloth stays on the side of the body, on a solid 0.1 m deep at most"
 
 
 class Place:
@@ -26,63 +30,87 @@ class Place:
     kernels: str | None = None
 
 
-def dress_steps(context: Any) -> Steps:
-    """Dress the avatars of the scene in its garments."""
-    if not bpy.data.filepath:
-        raise Problem("save the .blend file first: the frames are kept beside it")
-    objects = of_role(context.scene, "GARMENT")
-    garments = {stem: obj.name for obj, stem in zip(objects, stems(objects), strict=True)}
-    folders = {stem: cache_folder(bpy.data.objects[name]) for stem, name in garments.items()}
+def dress_steps(context: Any, *, only_selected: bool = False, drafted: Any = None) -> Steps:
+    """Dress the avatars of the scene in its garments, character by character.
+
+    `drafted` is a garment whose character alone is dressed.
+    """
+    check_settings(context.scene)
+    present, left_out = casts(context, only_selected=only_selected)
+    if drafted is not None:
+        present = [cast for cast in present if drafted in cast.garments]
     run = Current.run
     if run is not None:
-        run.notes += not_understood(context.scene, context.scene.toile.mode == "SIMULATE")
-    frames = 0
+        run.notes += left_out + not_understood(context.scene, context.scene.toile.mode == "SIMULATE")
+    remove_orphans()
+    for cast in present:
+        yield from _dress_cast(context, cast, run)
+        if run is not None and run.cancelled:
+            return
+
+
+def _dress_cast(context: Any, cast: Cast, run: Run | None) -> Steps:
+    """Dress garments that take part in one run."""
+    dressed = Dressed(cast.garments)
+    first_note = 0 if run is None else len(run.notes)
     try:
         with _folder() as folder:
-            yield from _read(run, write_scene(context, folder))
+            yield from _read(run, write_scene(context, folder, cast))
             if run is not None and run.cancelled:
                 return
-            job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+            job = dressed.begin(folder)
+            if run is not None:
+                run.notes += [*job["notes"], *(f"'{name}' {THICKENED}" for name in job["thickened"])]
+                run.notes += [
+                    f"'{entry['name']}': attribute '{name}' does not follow: its type cannot be carried"
+                    for entry in job["garments"] for name in entry["left_behind"]
+                ]  # fmt: skip
             with closing(_spoken("dress", folder, run)) as messages:
                 for message in messages:
                     if message is not None and "frame" in message:
-                        frames += 1
-                        for stem, name in garments.items():
-                            _frame_came(name, folders[stem], stem, job, first=frames == 1)
+                        dressed.frame_came()
                     yield message is not None
+            if run is None or not run.cancelled:
+                dressed.done()
     except Problem as problem:
-        faulty = bpy.data.objects.get(garments.get(problem.garment, ""))
-        if faulty is not None and problem.faces:
-            select_faces(faulty, problem.faces)
-        _set_states(garments, "failed")
+        dressed.failed(problem)
         raise
-    cancelled = run is not None and run.cancelled
-    if cancelled:
-        _note_cancelled(folders)
-    _set_states(garments, f"cancelled after {frames} frames" if cancelled else "complete")
+    finally:
+        dressed.end([] if run is None else run.notes[first_note:])
 
 
-def draft_steps(context: Any, pattern: str) -> Steps:
-    """Draft a pattern to the avatar, or take a pattern file, and place its panels around the avatar."""
+def draft_steps(context: Any, pattern: str, body: Any, into: Any = None) -> Steps:
+    """Draft a pattern to a body, or take a pattern file, and place its panels around it.
+
+    `body` is an avatar object; None is all avatars together. `into` is a garment whose mesh is made anew,
+    unless it was drafted of just this.
+    """
     run = Current.run
     with _folder() as folder:
-        yield from _read(run, write_scene(context, folder, pattern))
+        yield from _read(run, write_scene(context, folder, draft_cast(context, body), pattern))
+        key = draft_key(folder)
+        if into is not None and into.toile.draft_key == key:
+            return
         _show(run, "drafting the pattern")
         with closing(_spoken("draft", folder, run)) as messages:
             for message in messages:
                 if message is not None and "done" in message:
-                    made = pattern_object(context, folder / "draft.npz", message["done"]["name"])
+                    made = pattern_object(context, folder / "draft.npz", message["done"]["name"], into)
                     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
-                    made.toile.draft_frame = job["first_frame"]
+                    made.toile.draft_frame, made.toile.draft_key = job["first_frame"], key
+                    made.toile.body, made.toile.pattern = body, pattern
                 yield message is not None
 
 
 def dress_body_steps(context: Any, body: Any, pattern: str) -> Steps:
-    """Make a body the avatar, draft it a garment, and dress it."""
+    """Make a body the avatar, draft it a garment, and dress it; a garment that it has is drafted anew."""
+    check_settings(context.scene)
+    check_editable(body)
     body.toile.role = "AVATAR"
-    yield from draft_steps(context, pattern)
+    own = drafted_for(context, body, pattern)
+    yield from draft_steps(context, pattern, body, own)
     if Current.run is None or not Current.run.cancelled:
-        yield from dress_steps(context)
+        yield from dress_steps(context, drafted=drafted_for(context, body, pattern))
 
 
 def _read(run: Run | None, texts: Iterator[str]) -> Steps:
@@ -127,6 +155,8 @@ def _spoken(task: str, folder: Path, run: Run | None) -> Generator[dict[str, Any
                                     for key, value in message["progress"].items()})  # fmt: skip
                 if "say" in message:
                     _show(run, message["say"])
+                    if run is not None and message["lasting"] and message["say"] not in run.notes:
+                        run.notes.append(message["say"])
             yield message
     finally:
         engine.end()
@@ -148,30 +178,3 @@ def _bundled_paths() -> list[str]:
 def _show(run: Run | None, text: str) -> None:
     if run is not None:
         run.text = text
-
-
-def _frame_came(name: str, folder: str, stem: str, job: dict[str, Any], *, first: bool) -> None:
-    """Let an object show its frames from the first one on; redraw it where the present one has come."""
-    obj = bpy.data.objects.get(name)
-    if obj is None:
-        raise Problem(f"'{name}' is gone: the run was stopped")
-    if first:
-        show_frames(obj, folder, stem, job["first_frame"], job["sequence"])
-        obj.toile.state = "in progress"
-    else:
-        obj.update_tag()
-
-
-def _set_states(garments: dict[str, str], state: str) -> None:
-    for name in garments.values():
-        if name in bpy.data.objects:
-            bpy.data.objects[name].toile.state = state
-
-
-def _note_cancelled(folders: dict[str, str]) -> None:
-    """Note in the sidecars that frames are missing because the user stopped the run."""
-    for folder in folders.values():
-        path = Path(bpy.path.abspath(folder)) / "toile.json"
-        if path.is_file():
-            facts = json.loads(path.read_text(encoding="utf-8"))
-            path.write_text(json.dumps(facts | {"state": "cancelled"}, indent=2), encoding="utf-8")

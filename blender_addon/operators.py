@@ -6,14 +6,15 @@ from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from toile.blender_addon.dressing import draft_steps, dress_body_steps, dress_steps
-from toile.blender_addon.problem import Problem
-from toile.blender_addon.result import forget_files, made_real, our_modifier, remove_modifier
+from toile.blender_addon.frame_folders import forget, note_loaded, note_user, sweep
+from toile.blender_addon.problem import Problem, check_editable
+from toile.blender_addon.result import made_real, note_missing, our_modifier, remove_modifier
 from toile.blender_addon.run import Current, Run, Steps, cancel_current
-from toile.blender_addon.snapshot.scene_folder import cache_folder
+from toile.blender_addon.snapshot.cast import roles
 
 SHOWN_IN = {"PROPERTIES", "VIEW_3D"}
 """Editors that show progress."""
@@ -95,6 +96,14 @@ class _Runs:
         return {"CANCELLED"}
 
 
+def _body(context: Any) -> Any:
+    """Return the avatar that a pattern is drafted to: the active one, or the only one; None if in doubt."""
+    avatars = [part.obj for part in roles(context).avatars if not part.instance]
+    if context.object in avatars:
+        return context.object
+    return avatars[0] if len(avatars) == 1 else None
+
+
 def _redraw(context: Any, text: str | None) -> None:
     """Show progress, where there is something to show it in."""
     if context.workspace is not None:
@@ -106,13 +115,19 @@ def _redraw(context: Any, text: str | None) -> None:
 
 
 class TOILE_OT_dress(_Runs, bpy.types.Operator):
-    """Put the garments of the scene on its avatars."""
+    """Put the garments of the scene on its avatars, or only those that are selected."""
 
     bl_idname, bl_label, bl_options = "toile.dress", "Dress", {"UNDO"}
+    __annotations__ = {
+        "only_selected": BoolProperty(
+            name="Only Selected",
+            description="Leave garments alone that are not selected, and avatars if some are",
+        )
+    }
 
     def steps(self, context: Any) -> Steps:
         """Return the work."""
-        return dress_steps(context)
+        return dress_steps(context, only_selected=self.only_selected)
 
 
 class TOILE_OT_dress_body(_Runs, bpy.types.Operator):
@@ -140,7 +155,7 @@ class TOILE_OT_add_pattern(_Runs, bpy.types.Operator):
 
     def steps(self, context: Any) -> Steps:
         """Return the work."""
-        return draft_steps(context, context.scene.toile.pattern)
+        return draft_steps(context, context.scene.toile.pattern, _body(context))
 
 
 class TOILE_OT_import_pattern(_Runs, bpy.types.Operator, ImportHelper):
@@ -157,7 +172,7 @@ class TOILE_OT_import_pattern(_Runs, bpy.types.Operator, ImportHelper):
 
     def steps(self, context: Any) -> Steps:
         """Return the work."""
-        return draft_steps(context, str(Path(bpy.path.abspath(self.filepath)).resolve()))
+        return draft_steps(context, str(Path(bpy.path.abspath(self.filepath)).resolve()), _body(context))
 
 
 class TOILE_OT_cancel(bpy.types.Operator):
@@ -192,9 +207,47 @@ class TOILE_OT_set_role(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Set it."""
+        try:
+            check_editable(context.object)
+        except Problem as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         context.object.toile.role = self.role
         if self.role != "GARMENT":
             remove_modifier(context.object)
+        return {"FINISHED"}
+
+
+class TOILE_OT_add_field(bpy.types.Operator):
+    """Let a value of the fabric differ from place to place, or change with the animation."""
+
+    bl_idname, bl_label, bl_options = "toile.add_field", "Add Field", {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a garment."""
+        return context.object is not None and context.object.toile.role == "GARMENT"
+
+    def execute(self, context: Any) -> set[str]:
+        """Add it."""
+        context.object.toile.fields.add()
+        return {"FINISHED"}
+
+
+class TOILE_OT_remove_field(bpy.types.Operator):
+    """Remove a field of the garment."""
+
+    bl_idname, bl_label, bl_options = "toile.remove_field", "Remove Field", {"REGISTER", "UNDO"}
+    __annotations__ = {"index": IntProperty(min=0)}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need fields."""
+        return context.object is not None and len(context.object.toile.fields) > 0
+
+    def execute(self, context: Any) -> set[str]:
+        """Remove it."""
+        context.object.toile.fields.remove(self.index)
         return {"FINISHED"}
 
 
@@ -227,15 +280,17 @@ class TOILE_OT_clear(_OnGarment, bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Clear them."""
         garment = context.object
-        remove_modifier(garment)
-        forget_files(cache_folder(garment))
-        garment.toile.state = ""
+        folder = remove_modifier(garment)
+        kept = "" if folder is None else forget(folder)
+        if kept:
+            self.report({"WARNING"}, f"'{garment.name}' shows its own mesh; its frames stay on disk: {kept}")
+        garment.toile.state = garment.toile.notes = ""
         return {"FINISHED"}
 
 
 CLASSES = (
     TOILE_OT_dress, TOILE_OT_dress_body, TOILE_OT_add_pattern, TOILE_OT_import_pattern, TOILE_OT_cancel,
-    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear,
+    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear, TOILE_OT_add_field, TOILE_OT_remove_field,
 )  # fmt: skip
 
 
@@ -243,3 +298,17 @@ CLASSES = (
 def stop(*_: object) -> None:
     """Stop the run in progress, as before another file is loaded."""
     cancel_current()
+
+
+@persistent
+def loaded(*_: object) -> None:
+    """Note what frames a file came with, and garments whose frames are gone."""
+    note_loaded()
+    note_missing()
+
+
+@persistent
+def saved(path: str = "", *_: object) -> None:
+    """Note that a file shows frames, and remove those that no object shows any more."""
+    note_user(path)
+    sweep()

@@ -1,12 +1,16 @@
 """Panels: in the Physics tab, where Blender's own cloth is, and a short one beside the 3-D view."""
 
-from typing import Any
+from textwrap import wrap
+from typing import Any, ClassVar
 
 import bpy
 
 from toile.blender_addon.properties import OWN_VALUES
 from toile.blender_addon.result import our_modifier
 from toile.blender_addon.run import Current
+
+WIDTH = 60
+"""Letters in a line of a note."""
 
 
 def draw_add(self: Any, context: Any) -> None:
@@ -29,7 +33,9 @@ def draw_run(layout: Any, context: Any) -> None:
         layout.progress(factor=run.share, text=run.text)
         layout.operator("toile.cancel", icon="CANCEL")
         return
-    layout.operator("toile.dress", icon="PLAY")
+    row = layout.row(align=True)
+    row.operator("toile.dress", icon="PLAY")
+    row.operator("toile.dress", text="Only Selected").only_selected = True
 
 
 class _Physics:
@@ -53,12 +59,17 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
         layout, obj = self.layout, context.object
         layout.use_property_split = True
         layout.prop(obj.toile, "role")
+        layout.prop(obj.toile, "body")
         if obj.toile.role == "GARMENT":
             layout.prop(obj.toile, "layer")
             layout.prop(obj.toile, "keep_topology")
         draw_run(layout.column(), context)
         if obj.toile.state:
             layout.label(text=f"Frames: {obj.toile.state}")
+        for note in obj.toile.notes.splitlines():
+            column = layout.column(align=True)
+            for number, line in enumerate(wrap(note, WIDTH)):
+                column.label(text=line, icon="BLANK1" if number else "INFO")
         if our_modifier(obj) is not None:
             row = layout.row(align=True)
             row.operator("toile.apply")
@@ -91,6 +102,33 @@ class TOILE_PT_fabric(_Physics, bpy.types.Panel):
             column = layout.column(align=True)
             for name in OWN_VALUES:
                 column.prop(own, name)
+
+
+class TOILE_PT_fields(_Physics, bpy.types.Panel):
+    """Values of a garment that are painted, or change with the animation."""
+
+    bl_idname, bl_label, bl_parent_id = "TOILE_PT_fields", "Fields", "TOILE_PT_physics"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Need a garment."""
+        return context.object is not None and context.object.toile.role == "GARMENT"
+
+    def draw(self, context: Any) -> None:
+        """Draw it."""
+        layout = self.layout
+        for index, field in enumerate(context.object.toile.fields):
+            box = layout.box()
+            row = box.row(align=True)
+            row.prop(field, "quantity", text="")
+            row.operator("toile.remove_field", text="", icon="X").index = index
+            box.prop_search(field, "source", context.object, "vertex_groups")
+            row = box.row(align=True)
+            if field.source:
+                row.prop(field, "low")
+            row.prop(field, "high", text="At 1" if field.source else "Value")
+        layout.operator("toile.add_field", icon="ADD")
 
 
 class TOILE_PT_scene(_Physics, bpy.types.Panel):
@@ -132,4 +170,4 @@ class TOILE_PT_view(bpy.types.Panel):
         draw_run(layout, context)
 
 
-CLASSES = (TOILE_PT_physics, TOILE_PT_fabric, TOILE_PT_scene, TOILE_PT_view)
+CLASSES = (TOILE_PT_physics, TOILE_PT_fabric, TOILE_PT_fields, TOILE_PT_scene, TOILE_PT_view)

@@ -1,4 +1,6 @@
-"""The exception for what cannot be done, with one line for the user."""
+"""What cannot be done, with one line for the user."""
+
+from typing import Any
 
 
 class Problem(Exception):
@@ -8,3 +10,12 @@ class Problem(Exception):
         super().__init__(message)
         self.garment = garment
         self.faces = faces
+
+
+def check_editable(obj: Any) -> None:
+    """Raise Problem for a linked object, whose changes Blender would not save."""
+    if obj.library is not None:
+        raise Problem(
+            f"'{obj.name}' is linked from {obj.library.name}, so what is set here is not saved: set it in "
+            "that file, or make a library override"
+        )

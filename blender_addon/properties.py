@@ -3,7 +3,15 @@
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)  # fmt: skip
 
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC, fabrics
 from toile.dressing.pattern.drafts import built_in_names
@@ -35,13 +43,50 @@ def shown(name: str, value: float) -> float:
 def _on_fabric(self: Any, context: Any) -> None:
     """Take over the values of a preset that was chosen."""
     for name in OWN_VALUES:
-        self[name] = shown(name, getattr(FABRICS[self.fabric], name))
+        setattr(self, name, shown(name, getattr(FABRICS[self.fabric], name)))
+
+
+def _overridable(properties: dict[str, Any]) -> dict[str, Any]:
+    """Return properties that library overrides may change."""
+    return {
+        name: made.function(**made.keywords, override={"LIBRARY_OVERRIDABLE"})
+        for name, made in properties.items()
+    }
+
+
+def _is_mesh(self: Any, obj: Any) -> bool:
+    """Whether an object can be a body."""
+    return bool(obj.type == "MESH")
+
+
+QUANTITIES = (*OWN_VALUES, "thickness", "damping", "rest_warp", "rest_weft", "pressure", "pull")
+"""What a field of an object may set."""
+
+
+class TOILE_PG_field(bpy.types.PropertyGroup):
+    """A value of the fabric that is painted, or that changes with the animation."""
+
+    __annotations__ = _overridable({
+        "quantity": EnumProperty(
+            name="Quantity", default="stretch_warp",
+            items=[(name, name.replace("_", " ").capitalize(), "") for name in QUANTITIES],
+        ),
+        "source": StringProperty(
+            name="Painted By",
+            description="Vertex group, or attribute of points, from 0 to 1; empty: the same everywhere",
+        ),
+        "low": FloatProperty(name="At 0", description="Value where it is painted 0", precision=4),
+        "high": FloatProperty(
+            name="At 1", default=1.0, precision=4,
+            description="Value where it is painted 1, or everywhere; keyframes count if nothing is painted",
+        ),
+    })  # fmt: skip
 
 
 class TOILE_PG_object(bpy.types.PropertyGroup):
     """The role of an object, and its settings as a garment."""
 
-    __annotations__ = {
+    __annotations__ = _overridable({
         "role": EnumProperty(
             name="Role", default="NONE",
             items=[
@@ -81,17 +126,25 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
         "keep_topology": BoolProperty(
             name="Keep My Topology", description="Show the original vertices on the simulated surface"
         ),
+        "body": PointerProperty(
+            type=bpy.types.Object, name="Body", poll=_is_mesh,
+            description="The avatar that it belongs to; it is dressed apart from other characters then",
+        ),
+        "pattern": StringProperty(name="Pattern", description="What it was drafted of"),
+        "draft_key": StringProperty(name="Draft", description="What its draft depends on"),
+        "fields": CollectionProperty(type=TOILE_PG_field, name="Fields"),
         "state": StringProperty(name="State"),
+        "notes": StringProperty(name="Notes", description="What was said in the last run, line by line"),
         "draft_frame": IntProperty(
             name="Draft Frame", default=NOT_DRAFTED, description="Frame in which the panels fit the avatar"
         ),
-    }  # fmt: skip
+    })  # fmt: skip
 
 
 class TOILE_PG_scene(bpy.types.PropertyGroup):
     """Settings of a scene."""
 
-    __annotations__ = {
+    __annotations__ = _overridable({
         "mode": EnumProperty(
             name="Result", default="DRAPE",
             items=[
@@ -120,4 +173,4 @@ class TOILE_PG_scene(bpy.types.PropertyGroup):
             name="Pattern", default="tshirt",
             items=[(name, name.replace("_", " ").capitalize(), "") for name in built_in_names()],
         ),
-    }  # fmt: skip
+    })  # fmt: skip

@@ -6,11 +6,15 @@ from typing import Any
 import bpy
 import numpy as np
 
+from toile.blender_addon.attribute_nodes import is_nodes, put_back, remove_nodes
+from toile.blender_addon.frame_folders import MARK, relative, remove_orphans, replaced, shown_folder
 from toile.blender_addon.problem import Problem
 
 NAME = "toile"
 """Name of the modifier that shows the frames."""
 PRIM = "/garment"
+GONE = "missing on disk: dress it again"
+"""State of a garment whose frames somebody removed."""
 REFINING = {
     "SUBSURF", "MULTIRES", "SOLIDIFY", "BEVEL", "NODES", "SMOOTH", "CORRECTIVE_SMOOTH", "WEIGHTED_NORMAL"
 }  # fmt: skip
@@ -27,45 +31,46 @@ def our_modifier(obj: Any) -> Any:
     return next((modifier for modifier in obj.modifiers if is_ours(modifier)), None)
 
 
-def show_frames(obj: Any, folder: str, stem: str, first_frame: int, sequence: bool) -> None:
-    """Let an object show the frames in its cache folder, which may still grow."""
+def show_frames(obj: Any, folder: Path, entry: dict[str, Any], first_frame: int, sequence: bool) -> None:
+    """Let an object show the frames in a folder, which may still grow; `entry` is its own of the job."""
+    stem = entry["stem"]
+    before = shown_folder(obj, our_modifier(obj))
     if obj.toile.keep_topology:
         modifier = _placed(obj, "MESH_CACHE")
         modifier.cache_format = "PC2"
-        modifier.filepath = f"{folder}/{stem}.pc2"
+        modifier.filepath = relative(folder / f"{stem}.pc2")
         modifier.frame_start = float(first_frame)
+        remove_nodes(obj)
     else:
         modifier = _placed(obj, "MESH_SEQUENCE_CACHE")
         name = f"{stem}_{first_frame:04d}.usdc" if sequence else f"{stem}.usdc"
-        if modifier.cache_file is None:
-            modifier.cache_file = _opened(f"{folder}/{name}")
-        # Setting the path makes Blender read the files anew.
-        modifier.cache_file.is_sequence = sequence
-        modifier.cache_file.filepath = f"{folder}/{name}"
+        # Copies of an object share its cache file: every run gets one of its own.
+        modifier.cache_file = _opened(folder / name, sequence)
         modifier.object_path = PRIM
         modifier.read_data = {"VERT", "POLY", "UV", "COLOR", "ATTRIBUTES"}
+        put_back(obj, modifier, entry["carriers"])
+    remove_orphans()
+    replaced(before, folder)
     obj.update_tag()
 
 
-def remove_modifier(obj: Any) -> None:
-    """Let an object show its own mesh again."""
+def remove_modifier(obj: Any) -> Path | None:
+    """Let an object show its own mesh again; return the folder of the frames that it showed."""
     modifier = our_modifier(obj)
+    folder = shown_folder(obj, modifier)
     if modifier is not None:
-        cache = getattr(modifier, "cache_file", None)
         obj.modifiers.remove(modifier)
-        if cache is not None and not bpy.data.user_map(subset={cache})[cache]:
-            bpy.data.batch_remove([cache])
+        remove_nodes(obj)
+        remove_orphans()
+    return folder
 
 
-def forget_files(folder: str) -> None:
-    """Remove the frames of a cache folder, and the folder if it is empty then."""
-    path = Path(bpy.path.abspath(folder))
-    for pattern in ("*.usdc", "*.pc2", "toile.json"):
-        for file in path.glob(pattern):
-            file.unlink()
-    for place in (path, path.parent):
-        if place.is_dir() and not any(place.iterdir()):
-            place.rmdir()
+def note_missing() -> None:
+    """Say of garments that their frames are gone, where they are."""
+    for obj in bpy.data.objects:
+        folder = shown_folder(obj, our_modifier(obj)) if obj.library is None else None
+        if folder is not None and not folder.is_dir():
+            obj.toile.state = GONE
 
 
 def made_real(obj: Any, context: Any) -> None:
@@ -74,7 +79,8 @@ def made_real(obj: Any, context: Any) -> None:
     if ours is None:
         raise Problem(f"'{obj.name}' shows no frames of toile: dress it first")
     index = list(obj.modifiers).index(ours)
-    above, below = list(obj.modifiers)[:index], list(obj.modifiers)[index + 1 :]
+    above = list(obj.modifiers)[:index]
+    below = [modifier for modifier in list(obj.modifiers)[index + 1 :] if not is_nodes(modifier)]
     off = [modifier for modifier in below if modifier.show_viewport]
     for modifier in off:
         modifier.show_viewport = False
@@ -107,11 +113,18 @@ def select_faces(obj: Any, faces: tuple[int, ...]) -> None:
     mesh.update()
 
 
-def _opened(path: str) -> Any:
+def _opened(path: Path, sequence: bool) -> Any:
     """Return a new cache file of Blender."""
     before = set(bpy.data.cache_files)
-    bpy.ops.cachefile.open(filepath=bpy.path.abspath(path), relative_path=True)
-    return (set(bpy.data.cache_files) - before).pop()
+    bpy.ops.cachefile.open(filepath=str(path), relative_path=False)
+    made = (set(bpy.data.cache_files) - before).pop()
+    made[MARK] = True
+    # The operator counts itself as a user, and is none.
+    made.user_clear()
+    made.is_sequence = sequence
+    # Setting the path makes Blender read the files.
+    made.filepath = relative(path)
+    return made
 
 
 def _placed(obj: Any, kind: str) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import CrowdedError
 from toile.geometry.kernel import (
     F64_2,
     I32_1,
@@ -243,6 +244,20 @@ def _overlaps(  # type: ignore[no-untyped-def]
     return found
 
 
+MOST_PAIRS = 40_000_000
+"""Pairs of boxes at most: 320 MB. Garments of 100,000 faces on bodies of as many have a tenth of that."""
+
+
+def not_crowded(found: int, most: int) -> int:
+    """Return a number of pairs. Raises CrowdedError if there are more than `most`."""
+    if found > most:
+        raise CrowdedError(
+            f"{found:.2g} pairs of triangles are close enough to touch, more than memory is for: cloth is "
+            "thicker than its triangles are long, or a mesh far too fine (check thickness, edge length)"
+        )
+    return found
+
+
 def overlapping_pairs(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float) -> Int:
     """Index pairs (a, b) of overlapping boxes, shape (p, 2)."""
     return _collect(tree_a, boxes_a, tree_b, boxes_b, False)
@@ -263,7 +278,7 @@ def _collect(tree_a: Bvh, boxes_a: Float, tree_b: Bvh, boxes_b: Float, same: boo
         )  # fmt: skip
         if found <= capacity:
             return pairs[:found]
-        capacity = found
+        capacity = not_crowded(found, MOST_PAIRS)
 
 
 @kernel(types.int64(F64_2, I32_1, I32_2, F64_2, F64_2, OUT_I32_2))
@@ -307,4 +322,4 @@ def boxes_meeting(tree: Bvh, boxes: Float, others: Float) -> Int:
         found = _meeting(boxes, tree.order, tree.child, tree.box, others, pairs)
         if found <= capacity:
             return pairs[:found]
-        capacity = found
+        capacity = not_crowded(found, MOST_PAIRS)

@@ -212,6 +212,10 @@ def _emit(  # type: ignore[no-untyped-def]
     return count_vf, count_ee
 
 
+MOST_CANDIDATES = 16_000_000
+"""Candidates of a kind at most: 256 MB."""
+
+
 class Vertices(NamedTuple):
     """All vertices that surfaces index.
 
@@ -266,7 +270,7 @@ def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tu
     else:
         pairs = bvh.overlapping_pairs(a.tree, a.boxes, b.tree, b.boxes)
     one, other = a.surface, b.surface
-    capacity = 4 * len(pairs) + 64
+    capacity = min(4 * len(pairs) + 64, MOST_CANDIDATES)
     while True:
         vertex_face = np.empty((capacity, 4), np.int32)
         edge_edge = np.empty((capacity, 4), np.int32)
@@ -276,4 +280,4 @@ def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tu
         )  # fmt: skip
         if max(found) <= capacity:
             return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()
-        capacity = max(found)
+        capacity = bvh.not_crowded(max(found), MOST_CANDIDATES)

@@ -144,6 +144,8 @@ DRAWN: dict[str, Callable[[Any, Path], Meshes]] = {
     "dress_mannequin": lambda result, _: dressed(result, 0),
     "own_pattern": lambda result, _: dressed(result, 4),
     "own_draft": lambda result, _: dressed(result, 5),
+    "gathered_skirt": lambda result, _: dressed(result, 1),
+    "pleated_skirt": lambda result, _: dressed(result, 1),
     "own_garment_reader": lambda result, _: dressed(result, 2),
     "layers": lambda result, _: dressed(result, 5),
     "scene_file": lambda result, _: dressed(result, 3),

@@ -56,6 +56,10 @@ class InputError(ValueError):
         )
 
 
+class CrowdedError(InputError):
+    """More surfaces come close to each other than memory holds: cloth or mesh is out of proportion."""
+
+
 @contextmanager
 def about(
     *, file: Path | None = None, field: str | None = None, garment: str | None = None

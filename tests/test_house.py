@@ -33,7 +33,7 @@ MAX_LINES = 400
 MAX_MODULES, MAX_SHARE = 20, 0.2
 """Modules in one folder, and its share of all lines of source."""
 MAX_START_SECONDS = 1.0
-COMMAND = 'pip install --quiet -e ".[dev]" && python -m pytest'
+COMMAND = 'pip install --quiet -e ".[dev]" && python -m pytest -n auto --dist loadfile'
 """The one command that runs everything, in README.md and .ci/run."""
 
 TOOLS = {

@@ -17,23 +17,27 @@ if TYPE_CHECKING:
     from toile.dressing.batch.batch_stopped import BatchStopped
     from toile.dressing.batch.job import Job
     from toile.dressing.body.avatar import Avatar, load_avatar
+    from toile.dressing.body.in_memory.body_in_memory import body
     from toile.dressing.body.mannequin import mannequin
     from toile.dressing.body.measure import measure
     from toile.dressing.body.measurements import Measurements
     from toile.dressing.garment.fabrics import fabric, fabrics
+    from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
     from toile.dressing.pattern.drafts import register_draft
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
-    from toile.dressing.pattern.pattern import Edge, Panel, Pattern, Stitch
+    from toile.dressing.pattern.pattern import Edge, Fold, Panel, Pattern, Stitch
     from toile.dressing.pattern.seam import EdgePart, Seam, read_seam
     from toile.dressing.run.air import Air
     from toile.dressing.run.dress import dress, resume
+    from toile.dressing.run.output import report_schema
     from toile.dressing.run.progress import ProgressState
     from toile.dressing.run.result import DressedGarment, Result
     from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
     from toile.dressing.run.scene_file import load_scene
     from toile.engine.cloth.fabric import Fabric
+    from toile.engine.cloth.fields.keyed import Keyed
     from toile.engine.cloth.vertex_motion import VertexMotion
     from toile.geometry.errors import InputError
 
@@ -51,14 +55,21 @@ _HOME = {
     "DressedGarment": "toile.dressing.run.result",
     "Edge": "toile.dressing.pattern.pattern",
     "EdgePart": "toile.dressing.pattern.seam",
+    "Elastic": "toile.dressing.garment.fields.field",
     "Fabric": "toile.engine.cloth.fabric",
+    "Field": "toile.dressing.garment.fields.field",
+    "Filling": "toile.dressing.garment.fields.field",
+    "Fold": "toile.dressing.pattern.pattern",
     "Garment": "toile.dressing.run.scene",
     "GarmentMesh": "toile.dressing.garment.garment_mesh",
+    "Hold": "toile.dressing.garment.fields.field",
     "InputError": "toile.geometry.errors",
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
+    "Keyed": "toile.engine.cloth.fields.keyed",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
+    "Painted": "toile.dressing.garment.fields.field",
     "Panel": "toile.dressing.pattern.pattern",
     "Pattern": "toile.dressing.pattern.pattern",
     "ProgressState": "toile.dressing.run.progress",
@@ -66,8 +77,10 @@ _HOME = {
     "Scene": "toile.dressing.run.scene",
     "Seam": "toile.dressing.pattern.seam",
     "Stitch": "toile.dressing.pattern.pattern",
+    "Textured": "toile.dressing.garment.fields.field",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
     "batch": "toile.dressing.batch.batch",
+    "body": "toile.dressing.body.in_memory.body_in_memory",
     "dress": "toile.dressing.run.dress",
     "fabric": "toile.dressing.garment.fabrics",
     "fabrics": "toile.dressing.garment.fabrics",
@@ -78,6 +91,7 @@ _HOME = {
     "read_seam": "toile.dressing.pattern.seam",
     "register_draft": "toile.dressing.pattern.drafts",
     "register_reader": "toile.dressing.garment.readers",
+    "report_schema": "toile.dressing.run.output",
     "resume": "toile.dressing.run.dress",
     "write_garmentcode": "toile.dressing.pattern.garmentcode_write",
 }
@@ -91,14 +105,21 @@ __all__ = [
     "DressedGarment",
     "Edge",
     "EdgePart",
+    "Elastic",
     "Fabric",
+    "Field",
+    "Filling",
+    "Fold",
     "Garment",
     "GarmentMesh",
+    "Hold",
     "InputError",
     "Job",
     "JobResult",
+    "Keyed",
     "MannequinSize",
     "Measurements",
+    "Painted",
     "Panel",
     "Pattern",
     "ProgressState",
@@ -106,8 +127,10 @@ __all__ = [
     "Scene",
     "Seam",
     "Stitch",
+    "Textured",
     "VertexMotion",
     "batch",
+    "body",
     "dress",
     "fabric",
     "fabrics",
@@ -118,6 +141,7 @@ __all__ = [
     "read_seam",
     "register_draft",
     "register_reader",
+    "report_schema",
     "resume",
     "write_garmentcode",
 ]

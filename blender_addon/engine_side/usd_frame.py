@@ -1,6 +1,5 @@
 """One frame of a garment as a USDC file that Blender's Mesh Sequence Cache reads completely."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -43,14 +42,14 @@ def write_usd_frame(
     if velocities is not None:
         prim.CreateVelocitiesAttr(_vectors(velocities))
     interface = UsdGeom.PrimvarsAPI(prim)
-    taken: set[str] = set()
+    order = []
     for primvar in primvars:
-        name = re.sub(r"\W", "_", primvar.name)
-        if name in taken or not name or name[0].isdigit():
-            continue
-        taken.add(name)
         kind, values = _typed(primvar)
-        interface.CreatePrimvar(name, kind, DOMAINS[primvar.domain]).Set(values)
+        made = interface.CreatePrimvar(primvar.name, kind, DOMAINS[primvar.domain])
+        made.Set(values)
+        order.append(made.GetName())
+    # Blender makes the first UV map that it reads the active one.
+    prim.GetPrim().SetPropertyOrder(order)
     with replacing(path) as temporary:
         stage.Export(str(temporary))
 
@@ -68,6 +67,8 @@ def _typed(primvar: Primvar) -> tuple[Any, Any]:
         return names.TexCoord2fArray, Vt.Vec2fArray.FromNumpy(_single(values))
     if primvar.kind == "FLOAT_VECTOR":
         return names.Float3Array, _vectors(values)
+    if primvar.kind == "QUATERNION":
+        return names.QuatfArray, Vt.QuatfArray.FromNumpy(_single(np.roll(values, -1, axis=1)))
     return names.Color4fArray, Vt.Vec4fArray.FromNumpy(_single(values))
 
 

@@ -1,8 +1,8 @@
 """The engine's side: reads a scene folder, computes, writes frames, and reports in JSON lines.
 
-Every line is an object with one of: `say` (a sentence), `progress` (frame, max_frames, faces, contacts,
-seconds_left), `frame` (a frame is on disk), `done` (status and figures), `error` (one sentence;
-perhaps `garment`, `file` in the folder, `field` and `faces` at fault).
+Every line is an object with one of: `say` (a sentence; `lasting` if it is worth reading at the end),
+`progress` (frame, max_frames, faces, contacts, seconds_left), `frame` (it is on disk), `done` (status and
+figures), `error` (one sentence; perhaps `garment`, `file` in the folder, `field` and `faces` at fault).
 """
 
 import json
@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from toile.blender_addon.engine_side.wording import Wording
 from toile.geometry.errors import InputError
 
 SIDECAR = "toile.json"
@@ -23,7 +24,7 @@ def main(arguments: list[str]) -> int:
     try:
         (_draft if task == "draft" else _dress)(folder)
     except InputError as error:
-        _tell(error=_plain(error, folder), **_at_fault(error, folder))
+        _tell(error=_wording(folder)(str(error)), **_at_fault(error, folder))
         return 2
     except BrokenPipeError:
         return 1
@@ -41,9 +42,10 @@ def _tell(**message: Any) -> None:
     sys.stdout.flush()
 
 
-def _plain(error: InputError, folder: Path) -> str:
-    """Return the message with object names where it has files of the scene folder."""
-    return " ".join(str(error).split()).replace(f"{folder}{os.sep}", "").replace(".npz", "")
+def _wording(folder: Path) -> Wording:
+    """Return what translates the engine's sentences about a scene folder."""
+    job = folder / "job.json"
+    return Wording(folder, json.loads(job.read_text(encoding="utf-8")) if job.is_file() else None)
 
 
 def _at_fault(error: InputError, folder: Path) -> dict[str, Any]:
@@ -69,6 +71,7 @@ def _dress(folder: Path) -> None:
     from toile.dressing.run.scene_file import load_scene
 
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    worded = Wording(folder, job)
     scene = load_scene(folder / "scene.toml")
     writers = [FrameWriter(folder, entry, job) for entry in job["garments"]]
 
@@ -85,7 +88,10 @@ def _dress(folder: Path) -> None:
             writer.add(frame, garment)
         _tell(frame=job["first_frame"] + frame)
 
-    result = dress(scene, None, on_frame, lambda text: _tell(say=text), record)
+    def say(text: str) -> None:
+        _tell(say=worded(text), lasting=worded.is_lasting(text))
+
+    result = dress(scene, None, on_frame, say, record)
     report, failure = result.report, result.failure
     state = "failed" if result.status == "failed" else "complete"
     for writer in writers:
@@ -94,7 +100,7 @@ def _dress(folder: Path) -> None:
         at_fault = [(job["garments"][index]["stem"], faces) for index, faces in enumerate(failure.faces)]
         stem, faces = next(((stem, faces) for stem, faces in at_fault if len(faces)), ("", ()))
         where = f" ({failure.where})" if failure.where else ""
-        _tell(error=failure.message + where, garment=stem, faces=[int(face) for face in faces])
+        _tell(error=worded(failure.message + where), garment=stem, faces=[int(face) for face in faces])
         return
     figures = ("status", "frames", "faces", "intersections", "wall_seconds", "cpu_seconds")
     _tell(done={key: report[key] for key in figures})

@@ -9,8 +9,9 @@ import numpy as np
 
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.result import is_ours
-from toile.blender_addon.snapshot import mesh_arrays
-from toile.blender_addon.snapshot.space import moved, to_engine
+from toile.blender_addon.snapshot import carriers, mesh_arrays
+from toile.blender_addon.snapshot.painted import PaintedFields
+from toile.blender_addon.snapshot.space import Space, moved
 from toile.dressing.files.writers.npz_motion import MotionWriter
 from toile.geometry.arrays import Float
 
@@ -53,9 +54,9 @@ def evaluated(obj: Any, depsgraph: Any) -> Iterator[Any]:
 class GarmentSnapshot:
     """One garment: seen whole in the first frame, then only where its pins go and how the object moves."""
 
-    def __init__(self, obj: Any, stem: str, scene: Any, folder: Path, frames: int) -> None:
+    def __init__(self, obj: Any, stem: str, space: Space, folder: Path, frames: int) -> None:
         self.obj, self.stem = obj, stem
-        self._scene, self._folder, self._frames = scene, folder, frames
+        self._space, self._folder, self._frames = space, folder, frames
         self._to_local: list[Float] = []
         self._motion: MotionWriter | None = None
 
@@ -67,6 +68,7 @@ class GarmentSnapshot:
                 raise Problem(f"'{name}' has no faces: a garment is a surface")
             faces, loops, polygon = mesh_arrays.triangles(mesh)
             carried = mesh_arrays.attributes(mesh)
+            chosen, self.left_behind = mesh_arrays.chosen(mesh), mesh_arrays.left_behind(mesh)
             loop_vertex = mesh_arrays.loop_vertices(mesh)
             self._local = mesh_arrays.positions(mesh)
             sewn = mesh_arrays.loose_edges(mesh)
@@ -104,15 +106,34 @@ class GarmentSnapshot:
         for group, weights in groups.items():
             if group.startswith(HELD):
                 self.arrays[group] = np.flatnonzero(weights > 0.0)
+        by_vertex = {
+            name: values for (domain, kind, name), values in carried.items()
+            if domain == "POINT" and kind in ("FLOAT", "BOOLEAN")
+        }  # fmt: skip
+        self._fields = PaintedFields(self.obj, by_vertex | groups)
+        self.arrays |= self._fields.arrays
         carried |= {("POINT", "FLOAT", group): weights for group, weights in groups.items()}
+        travelling, self.carriers = carriers.carried(carried, *chosen)
         self.carried: dict[str, Any] = {
-            " ".join(key): values[first] if key[0] == "CORNER" else values for key, values in carried.items()
+            " ".join(key): values[first] if key[0] == "CORNER" else values
+            for key, values in travelling.items()
         }
         self.carried["corner_vertex"] = loop_vertex[first]
 
+    def pieces(self) -> list[str]:
+        """Return the name of the material of every piece, as the engine numbers them; empty where none is."""
+        slots = self.obj.material_slots
+        used = np.unique(self.arrays.get("panel", 0)).tolist()
+        return [slots[number].name if number < len(slots) else "" for number in used]
+
+    def fields_toml(self, fps: float) -> list[str]:
+        """Return the tables of its fields in a scene file."""
+        return self._fields.toml(fps)
+
     def see(self, depsgraph: Any) -> None:
-        """Note where object and pins are in the present frame."""
-        matrix = to_engine(self.obj.evaluated_get(depsgraph).matrix_world, self._scene)
+        """Note where object and pins are in the present frame, and the values of its fields."""
+        self._fields.see()
+        matrix = self._space.of(self.obj.evaluated_get(depsgraph).matrix_world)
         if abs(np.linalg.det(matrix)) < 1e-18:
             raise Problem(f"'{self.obj.name}' is scaled to nothing; give it a scale other than 0")
         self._to_local.append(np.asarray(np.linalg.inv(matrix), np.float64))

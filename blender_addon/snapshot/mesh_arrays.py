@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from toile.blender_addon.snapshot.carriers import Chosen
 from toile.dressing.files.corner_surface import split_from_second
 from toile.geometry.arrays import Float, Int
 
@@ -12,6 +13,7 @@ FIELDS = {
     "FLOAT": ("value", 1, np.float32), "INT": ("value", 1, np.int32), "BOOLEAN": ("value", 1, np.bool_),
     "FLOAT_VECTOR": ("vector", 3, np.float32), "FLOAT2": ("vector", 2, np.float32),
     "FLOAT_COLOR": ("color", 4, np.float32), "BYTE_COLOR": ("color", 4, np.float32),
+    "INT8": ("value", 1, np.int8), "QUATERNION": ("value", 4, np.float32),
 }  # fmt: skip
 """Types of attributes that are carried: field, width and number."""
 BUILT_IN = ("position", "velocity", "crease_vert", "crease_edge")
@@ -36,7 +38,7 @@ def loop_vertices(mesh: Any) -> Int:
 def triangles(mesh: Any) -> tuple[Int, Int, Int]:
     """Vertices and loops of the triangles, shape (t, 3), and the polygon of each, shape (t,).
 
-    Quads are split here: how Blender does it depends on what it has cached.
+    Triangles are ordered by their vertices. Quads are split here: how Blender does it depends on its cache.
     """
     loop_vertex = loop_vertices(mesh)
     start: Int = np.empty(len(mesh.polygons), np.int32)
@@ -56,19 +58,21 @@ def triangles(mesh: Any) -> tuple[Int, Int, Int]:
         larger = total[owner] > 4
         loops.append(many.reshape(-1, 3)[larger])
         polygon.append(owner[larger])
-    owner = np.concatenate(polygon)
-    order = np.argsort(owner, kind="stable")
-    corner = np.concatenate(loops)[order]
+    owner, corner = np.concatenate(polygon), np.concatenate(loops)
+    # Blender orders the faces of some meshes, such as its spheres, anew in every process.
+    order = np.lexsort(loop_vertex[corner].T[::-1])
+    corner = corner[order]
     return loop_vertex[corner], corner, owner[order]
 
 
 def loose_edges(mesh: Any) -> Int:
-    """Vertex pairs of edges without a face, shape (s, 2)."""
+    """Vertex pairs of edges without a face, shape (s, 2), ordered by their vertices."""
     count = len(mesh.edges)
     loose, ends = np.empty(count, np.bool_), np.empty(2 * count, np.int32)
     mesh.edges.foreach_get("is_loose", loose)
     mesh.edges.foreach_get("vertices", ends)
-    return ends.reshape(-1, 2)[loose]
+    pairs = np.sort(ends.reshape(-1, 2)[loose], axis=1)
+    return pairs[np.lexsort(pairs.T[::-1])]
 
 
 def add_group_weights(mesh: Any, first: int, count: int, weights: npt.NDArray[np.float32]) -> None:
@@ -82,17 +86,37 @@ def add_group_weights(mesh: Any, first: int, count: int, weights: npt.NDArray[np
 def attributes(mesh: Any) -> dict[tuple[str, str, str], npt.NDArray[Any]]:
     """Return what a mesh carries, by (domain, type, name): a row per vertex, loop or polygon."""
     found = {}
-    for attribute in mesh.attributes:
+    for attribute in _own(mesh):
         name, kind = attribute.name, attribute.data_type
-        known = kind in FIELDS and attribute.domain in ("POINT", "FACE", "CORNER")
-        if not known or name.startswith(".") or name in BUILT_IN:
+        if kind not in FIELDS:
             continue
         field, width, number = FIELDS[kind]
         flat: npt.NDArray[Any] = np.empty(width * len(attribute.data), number)
         attribute.data.foreach_get(field, flat)
-        plain = "FLOAT_COLOR" if kind == "BYTE_COLOR" else kind
-        found[attribute.domain, plain, name] = flat.reshape(-1, width) if width > 1 else flat
+        found[attribute.domain, kind, name] = flat.reshape(-1, width) if width > 1 else flat
     return found
+
+
+def left_behind(mesh: Any) -> list[str]:
+    """Return the names of attributes of points, faces and corners whose type cannot be carried."""
+    return [attribute.name for attribute in _own(mesh) if attribute.data_type not in FIELDS]
+
+
+def chosen(mesh: Any) -> tuple[Chosen, Chosen]:
+    """Return which UV maps, and which colours, of a mesh are active and render."""
+    layers, colours = mesh.uv_layers, mesh.color_attributes
+    renders = next((layer.name for layer in layers if layer.active_render), "")
+    uv = Chosen("" if layers.active is None else layers.active.name, renders)
+    return uv, Chosen(colours.active_color_name, colours.default_color_name)
+
+
+def _own(mesh: Any) -> list[Any]:
+    """Return the attributes of points, faces and corners that belong to the user."""
+    return [
+        attribute for attribute in mesh.attributes
+        if attribute.domain in ("POINT", "FACE", "CORNER")
+        and not attribute.name.startswith(".") and attribute.name not in BUILT_IN
+    ]  # fmt: skip
 
 
 def corners(loop_vertex: Int, values: list[npt.NDArray[Any]]) -> tuple[Int, Int]:

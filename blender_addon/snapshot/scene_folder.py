@@ -2,20 +2,21 @@
 
 import hashlib
 import json
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
+from toile.blender_addon.frame_folders import file_stem
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.properties import NOT_DRAFTED, OWN_VALUES
 from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
+from toile.blender_addon.snapshot.cast import Cast
 from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
-from toile.blender_addon.snapshot.space import metres_per_unit
-from toile.blender_addon.snapshot.wind import air_toml
+from toile.blender_addon.snapshot.space import Space, metres_per_unit
+from toile.blender_addon.snapshot.wind import Weather
 from toile.dressing.files.writers.npz_motion import MotionWriter
 from toile.geometry.arrays import Float
 
@@ -23,64 +24,51 @@ ELSEWHERE = 0.05
 """A body that moves by more than this between draft and simulation is in another place [m]."""
 
 
-def of_role(scene: Any, role: str) -> list[Any]:
-    """Return the mesh objects of a scene that play a role, garments from the body outwards."""
-    found = [obj for obj in scene.objects if obj.type == "MESH" and obj.toile.role == role]
-    return sorted(found, key=lambda obj: (obj.toile.layer, obj.name))
+def check_settings(scene: Any) -> None:
+    """Raise Problem where a run could not begin, before any work is done."""
+    if not bpy.data.filepath:
+        raise Problem("save the .blend file first: the frames are kept beside it")
+    if scene.toile.mode == "SIMULATE" and scene.toile.frame_end <= scene.toile.frame_start:
+        raise Problem("a simulation needs at least two frames: set its end after its start")
 
 
-def cache_folder(obj: Any) -> str:
-    """Return the folder of an object's frames, relative to the .blend file."""
-    return f"//toile_{Path(bpy.data.filepath).stem}/{file_stem(obj.name)}"
-
-
-def file_stem(name: str) -> str:
-    """Return a name that every file system and USD accept."""
-    return re.sub(r"[^\w-]+", "_", name).strip("_") or "garment"
-
-
-def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Iterator[str]:
+def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = None) -> Iterator[str]:
     """Write all that the engine needs, a bit at a time; yield what is being done.
 
-    `pattern` is what is to be drafted to the avatar, instead of the garments of the scene. What is to be
+    `pattern` is what is to be drafted to the avatars of the cast, which has no garments then. What is to be
     simulated is drafted at the first frame of the simulation, wherever the playhead is.
     """
     scene, settings = context.scene, context.scene.toile
-    avatars, garments = of_role(scene, "AVATAR"), of_role(scene, "GARMENT")
-    if not avatars:
-        raise Problem("no avatar: mark the body as avatar in its Physics properties")
-    if pattern is None and not garments:
-        raise Problem("no garment: mark one in its Physics properties, or use Dress This Body")
+    garments = list(cast.garments)
     films = pattern is None and settings.mode == "SIMULATE"
     travels = settings.mode == "SIMULATE"
     frames = [first_frame(scene)]
     if films:
         frames = list(range(settings.frame_start, settings.frame_end + 1))
-    if films and len(frames) < 2:
-        raise Problem("a simulation needs at least two frames: set its end after its start")
     seen: list[GarmentSnapshot] = []
     fps = scene.render.fps / scene.render.fps_base
     before = scene.frame_current, scene.frame_subframe
+    body: AvatarSnapshot | None = None
     with fed_by_modifiers_above(garments):
         try:
-            body: AvatarSnapshot | None = None
             writer: MotionWriter | None = None
-            air: list[str] = []
             for frame in frames:
                 if travels:
                     scene.frame_set(frame)
                 depsgraph = context.evaluated_depsgraph_get()
                 if body is None:
-                    body = AvatarSnapshot(avatars, scene)
-                    air = air_toml(scene) if films else []
+                    space = Space.upright(scene) if pattern is not None else Space.falling(scene)
+                    weather = Weather(scene, space, films=films)
+                    body = AvatarSnapshot(cast.avatars, scene, space)
                     for _ in body.read(depsgraph):
                         yield "reading the avatar"
-                    for obj, stem in zip(garments, stems(garments), strict=True) if pattern is None else ():
-                        seen.append(GarmentSnapshot(obj, stem, scene, folder, len(frames)))
+                    for obj, stem in zip(garments, stems(garments), strict=True):
+                        seen.append(GarmentSnapshot(obj, stem, space, folder, len(frames)))
                         for _ in seen[-1].read(context.evaluated_depsgraph_get()):
                             yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
+                weather.see(scene)
                 if films and frame == frames[0]:
                     _check_drafts(context, body, vertices, [garment.obj for garment in seen])
                 for garment in seen:
@@ -100,11 +88,15 @@ def write_scene(context: Any, folder: Path, pattern: str | None = None) -> Itera
     for garment in seen:
         garment.write(fps)
         yield f"reading {garment.obj.name}"
-    text = _scene_toml(scene, films, seen, pattern, air)
+    text = _scene_toml(scene, weather, films, seen, pattern)
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     job = {
         "first_frame": frames[0],
         "sequence": films,
+        "turn": space.turn.tolist(),
+        "notes": weather.notes(),
+        "avatars": [part.obj.name for part in cast.avatars],
+        "thickened": [] if body is None else body.thickened,
         "garments": [_entry(garment, text) for garment in seen],
     }
     (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
@@ -134,7 +126,7 @@ def _check_drafts(context: Any, body: AvatarSnapshot, vertices: Float, garments:
             )
 
 
-def stems(garments: list[Any]) -> list[str]:
+def stems(garments: Sequence[Any]) -> list[str]:
     """Return a file name for every garment, each another."""
     names: list[str] = []
     for obj in garments:
@@ -151,7 +143,10 @@ def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
     geometry = b"".join(garment.arrays[key].tobytes() for key in ("faces", "uv_faces", "uv"))
     return {
         "stem": garment.stem,
-        "cache": bpy.path.abspath(cache_folder(obj)),
+        "name": obj.name,
+        "pieces": garment.pieces(),
+        "carriers": [list(carrier) for carrier in garment.carriers],
+        "left_behind": garment.left_behind,
         "keep_topology": obj.toile.keep_topology,
         "fingerprints": {
             "settings": hashlib.sha256(text.encode()).hexdigest()[:16],
@@ -161,20 +156,19 @@ def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
 
 
 def _scene_toml(
-    scene: Any, films: bool, seen: list[GarmentSnapshot], pattern: str | None, air: list[str]
+    scene: Any, weather: Weather, films: bool, seen: list[GarmentSnapshot], pattern: str | None
 ) -> str:
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
     lines = [f'quality = "{settings.quality}"']
-    gravity = max(-scene.gravity[2], 0.0) if scene.use_gravity else 0.0
-    lines.append(f"gravity = {gravity:.6f}")
+    lines += weather.lines
     if settings.size_min > 0.0:
         lines.append(f"edge_length = {scale * settings.size_min:.6f}")
     if not settings.use_remesh:
         lines.append("remesh = false")
     elif settings.size_max > 0.0:
         lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
-    lines += air
+    lines += weather.air
     lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
     if pattern is not None:
         lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]
@@ -184,6 +178,7 @@ def _scene_toml(
             "[[garment]]", f'source = "./{garment.stem}.npz"', f'name = "{garment.stem}"',
             f"fabric = {json.dumps(fabric, ensure_ascii=False)}",
         ]  # fmt: skip
+        lines += garment.fields_toml(scene.render.fps / scene.render.fps_base)
     for garment in seen:
         lines += _fabric_toml(garment.obj, scale)
     return "\n".join(lines) + "\n"

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from toile.blender_addon.problem import Problem
-from toile.blender_addon.snapshot.space import Y_UP
+from toile.blender_addon.snapshot.space import Space, gravity
 from toile.dressing.run.air import FASTEST
 
 
@@ -16,7 +16,44 @@ def _fields(scene: Any, *, wind: bool) -> list[Any]:
     return [obj for obj in found if (obj.field.type == "WIND") is wind and not obj.hide_viewport]
 
 
-def air_toml(scene: Any) -> list[str]:
+class Weather:
+    """Gravity and wind as they are in the first frame, and whether they change afterwards.
+
+    `lines` and `air` say them in a scene file: gravity downwards in `space`, and the air of films.
+    """
+
+    def __init__(self, scene: Any, space: Space, *, films: bool) -> None:
+        self.lines = [f"gravity = {np.linalg.norm(gravity(scene)):.6f}"]
+        self.air = air_toml(scene, space) if films else []
+        self._began = _state(scene)
+        self._changes: dict[str, None] = {}
+
+    def see(self, scene: Any) -> None:
+        """Note what is another in the present frame."""
+        now = _state(scene)
+        for name in now:
+            if not np.allclose(now[name], self._began.get(name, np.inf), rtol=0.0, atol=1e-6):
+                self._changes[name] = None
+
+    def notes(self) -> list[str]:
+        """Return a sentence for everything that changes in the course of the frames."""
+        return [
+            f"{name} changes with the animation: it stays as it is in the first frame"
+            for name in self._changes
+        ]
+
+
+def _state(scene: Any) -> dict[str, Any]:
+    """Return gravity, and strength, noise and direction of every wind."""
+    found = {"gravity": gravity(scene)}
+    for obj in _fields(scene, wind=True):
+        axis = np.array(obj.matrix_world, np.float64)[:3, 2]
+        turn = axis / max(float(np.linalg.norm(axis)), 1e-12)
+        found[f"wind '{obj.name}'"] = np.array([obj.field.strength, obj.field.noise, *turn])
+    return found
+
+
+def air_toml(scene: Any, space: Space) -> list[str]:
     """Return the table of the air as it is in the present frame; nothing without a wind.
 
     A wind blows along its object's Z axis, at its strength [m/s]; its noise is the standard deviation of
@@ -26,7 +63,7 @@ def air_toml(scene: Any) -> list[str]:
     if not winds:
         return []
     along = [np.array(obj.matrix_world, np.float64)[:3, 2] for obj in winds]
-    velocity = Y_UP @ sum(
+    velocity = space.turn @ sum(
         obj.field.strength * axis / max(float(np.linalg.norm(axis)), 1e-12)
         for obj, axis in zip(winds, along, strict=True)
     )

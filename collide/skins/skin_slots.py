@@ -14,7 +14,7 @@ from toile.geometry.normals import vertex_normals
 from toile.geometry.topology import triangle_topology
 
 SLOT = 0.020
-"""Room that is left between two skins [m]."""
+"""Room that is left between two skins in motion [m]."""
 DEEPEST = 0.06
 """Overlap up to which two skins are told apart [m]."""
 NEIGHBOURHOOD = 0.02
@@ -47,7 +47,7 @@ class SkinSlots:
         # Pairs of vertices of the same skin, as one sorted number each.
         self._same = np.sort(row.astype(np.int64) * count + column)
 
-    def retreat(self, vertices: Float, near: Bool) -> Float:
+    def retreat(self, vertices: Float, near: Bool, slot: float = SLOT) -> Float:
         """Retreat of every vertex against its normal [m], shape (v, 3).
 
         Parameters
@@ -56,6 +56,8 @@ class SkinSlots:
             The pose [m], shape (v, 3).
         near
             Vertices that cloth may come to, shape (v,): others need no slot.
+        slot
+            Room between two skins [m].
         """
         chosen = np.flatnonzero(near)
         if not len(chosen):
@@ -64,7 +66,7 @@ class SkinSlots:
         body = self._body
         body.pose(vertices)
         start, direction = vertices[chosen], normals[chosen]
-        row, face = body.hits(start - DEEPEST * direction, start + SLOT * direction).T
+        row, face = body.hits(start - DEEPEST * direction, start + slot * direction).T
         face_normals = self._face_normals(vertices, face)
         facing = np.einsum("ki,ki->k", direction[row], face_normals)
         other = facing < FACING
@@ -80,7 +82,7 @@ class SkinSlots:
             inside[behind] = self._winding(vertices, outside, direction[behind]) > 0
         met = (gap >= 0.0) | inside[row]
         wanted = np.zeros(len(vertices))
-        np.maximum.at(wanted, chosen[row[met]], 0.5 * (SLOT - gap[met]))
+        np.maximum.at(wanted, chosen[row[met]], 0.5 * (slot - gap[met]))
         for _ in range(SMOOTHINGS):
             wanted = np.maximum(wanted, self._mean @ wanted)
         return np.asarray(-wanted[:, None] * normals)

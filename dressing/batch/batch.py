@@ -1,5 +1,6 @@
 """The loop of a batch: it starts open jobs, collects their outcomes and keeps the ledger."""
 
+import hashlib
 import os
 import sqlite3
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
@@ -13,7 +14,7 @@ from toile.dressing.batch.dress_job import JobRequest, dress_job, load_dressing,
 from toile.dressing.batch.failure_classes import ATTEMPTS, disk_is_full
 from toile.dressing.batch.fingerprint import Fingerprints
 from toile.dressing.batch.folder_lock import check_system, lock_folder
-from toile.dressing.batch.job import Job, as_jobs, avatar_name, fabric_names
+from toile.dressing.batch.job import BadJob, Job, as_jobs, avatar_name, fabric_names
 from toile.dressing.batch.job_folder import make_folders, published, remove_result, work_folder
 from toile.dressing.batch.ledger import Entry, Ledger
 from toile.dressing.batch.outcome import FIGURES, Outcome
@@ -57,7 +58,7 @@ class JobResult:
 
 
 def batch(
-    jobs: Iterable[Job | Scene],
+    jobs: Iterable[Job | BadJob | Scene],
     output: str | Path,
     *,
     workers: int | None = None,
@@ -149,7 +150,7 @@ def checked_workers(workers: int | None) -> int:
 
 
 def run_batch(
-    jobs: Iterable[Job | Scene],
+    jobs: Iterable[Job | BadJob | Scene],
     folder: Path,
     open_pool: Callable[[int], Pool],
     limits: Limits,
@@ -202,15 +203,21 @@ class _Run:
         self._full = False
 
     def results(
-        self, jobs: Iterator[Job], stop: Callable[[], bool], watch: Callable[[int], None]
+        self, jobs: Iterator[Job | BadJob], stop: Callable[[], bool], watch: Callable[[int], None]
     ) -> Iterator[JobResult]:
         """Start jobs as there is room, and yield the results."""
         more = True
         while more or self.pool.unfinished:
+            if self._full or stop():
+                more = False
+                for request in self.pool.withdraw():
+                    self._ledger.put_back(request.name)
             while more and self.pool.room > 0:
-                job = None if self._full or stop() else next(jobs, None)
+                job = next(jobs, None)
                 if job is None:
                     more = False
+                elif isinstance(job, BadJob):
+                    yield self._refuse(job)
                 elif (before := self._consider(job)) is not None:
                     yield before
             watch(self.pool.running)
@@ -245,6 +252,20 @@ class _Run:
             )
         )  # fmt: skip
         return None
+
+    def _refuse(self, job: BadJob) -> JobResult:
+        """Note a job that a file describes wrongly as failed."""
+        digest = hashlib.sha256(job.message.encode()).hexdigest()
+        self._ledger.register(
+            Entry(
+                name=job.name, avatar="", garments="", fabrics="", quality="", fingerprint=digest, inputs={},
+                settings={},
+            )
+        )  # fmt: skip
+        remove_result(self._folder, job.name)
+        outcome = Outcome(state="failed", failure_class="bad_input", message=job.message)
+        self._ledger.end(job.name, outcome)
+        return self._result(job.name, outcome)
 
     def _again(self, outcome: Outcome) -> bool:
         """Whether a job runs again that ended in an earlier run: a kill from outside was not its fault."""

@@ -28,10 +28,18 @@ class Job:
             )
 
 
-def as_jobs(jobs: Iterable[Job | Scene]) -> Iterator[Job]:
+@dataclass(frozen=True)
+class BadJob:
+    """A job that a file of jobs describes wrongly: its name, and what is wrong with it, with its line."""
+
+    name: str
+    message: str
+
+
+def as_jobs(jobs: Iterable[Job | BadJob | Scene]) -> Iterator[Job | BadJob]:
     """Yield jobs one by one; a scene without a name gets one from its body, garments and fabrics."""
     for job in jobs:
-        yield job if isinstance(job, Job) else Job(job_name(job), job)
+        yield job if isinstance(job, Job | BadJob) else Job(job_name(job), job)
 
 
 def job_name(scene: Scene) -> str:

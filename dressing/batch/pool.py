@@ -27,5 +27,8 @@ class Pool(Protocol):
     def wait(self, seconds: float) -> list[tuple[Any, Ended]]:
         """Return the calls that have ended, with their keys; after some time, perhaps none."""
 
+    def withdraw(self) -> list[Any]:
+        """Take back calls that wait and have not begun, as far as that is known; return their keys."""
+
     def close(self) -> None:
         """End everything that still runs."""

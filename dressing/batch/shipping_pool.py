@@ -15,7 +15,6 @@ from toile.dressing.batch.outcome import Outcome
 from toile.dressing.batch.pool import Pool
 from toile.dressing.batch.processes.isolated_call import Ended, Limits
 from toile.dressing.certificate.input_files import files_of
-from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.run.garment_source import built_in_name
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
 
@@ -69,6 +68,10 @@ class ShippingPool:
             (request, self._unpacked(request, ended) if ended.how == "returned" else ended)
             for request, ended in self._pool.wait(seconds)
         ]
+
+    def withdraw(self) -> list[Any]:
+        """Take back the calls that wait, and return their keys."""
+        return self._pool.withdraw()
 
     def close(self) -> None:
         """End everything that still runs."""
@@ -152,4 +155,4 @@ def _moved(scene: Scene, folder: Path) -> Scene:
 
 def _in_memory(garment: Garment) -> bool:
     """Whether a garment needs no file."""
-    return isinstance(garment.source, GarmentMesh) or built_in_name(garment.source) is not None
+    return not isinstance(garment.source, str | Path) or built_in_name(garment.source) is not None

@@ -14,8 +14,9 @@ from toile.dressing.body.avatar_units import upright
 from toile.dressing.body.reading import RECOGNISED, Reading
 from toile.dressing.files.gltf.animated_gltf import read_animated_gltf
 from toile.dressing.files.gltf.gltf_file import has_animation
-from toile.dressing.files.gltf.gltf_lead_in import read_lead_in
+from toile.dressing.files.gltf.gltf_lead_in import has_skeleton, read_lead_in
 from toile.dressing.files.gltf.still_gltf import read_still_gltf
+from toile.dressing.files.leading.usd_lead_in import has_usd_skeleton, read_usd_lead_in
 from toile.dressing.files.moving_file import MovingSurface, read_folder_motion, read_npz_motion
 from toile.dressing.files.on_disk import is_folder
 from toile.dressing.files.read_surface import GLTF
@@ -74,14 +75,10 @@ def load_animated_avatar(
     """
     with about(file=path):
         _check_words(path, reading, fps, clip)
-        if _is_gltf(path):
-            sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
-            moving = MovingSurface(frames=sampled.frames, surface=sampled.surface, notes=(sampled.note,))
-        else:
-            moving = _read_frames(path)
+        moving = _read_motion(path, fps, clip)
         reading = _completed(reading, moving)
         if len(moving.frames) > 1:
-            return _moving_avatar(path, moving, reading, fps)
+            return moving_avatar(path, moving, reading, fps)
         if is_folder(path):
             raise InputError(
                 f"{path}: a motion needs at least two frames, got 1; give the mesh instead", file=path
@@ -95,31 +92,37 @@ def led_in_avatars(
     path: Path, *, reading: Reading, fps: float | None, clip: str | None, seconds: float,
     up: Literal["y", "z"],
 ) -> Iterator[Avatar]:  # fmt: skip
-    """Read a glTF body that begins in a pose of rest, and moves from there to its clip's first frame.
+    """Read a body with a skeleton that begins in a pose of rest, and moves from there to its first frame.
 
-    Yields one for every pose of rest in which there is a body (see `read_lead_in`). `seconds` is the length
-    of the lead-in, rounded to whole frames, and `up` the axis of the file that points up. Parameters and
-    errors are else those of `load_animated_avatar`.
+    Yields one for every pose of rest in which there is a body (see `read_lead_in`), none without a skeleton.
+    `seconds` is the length of the lead-in, rounded to whole frames, and `up` the axis of the file that points
+    up. Parameters and errors are else those of `load_animated_avatar`.
     """
     with about(file=path):
-        sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
-        count = max(round(seconds * (fps or DEFAULT_FPS)), 1)
+        if not _has_skeleton(path):
+            return
+        moving = _read_motion(path, fps, clip)
+        count = max(round(seconds * (fps or moving.fps or DEFAULT_FPS)), 1)
+        axis = "xyz".index(up)
         seen: list[Float] = []
-        for lead in read_lead_in(path, clip, count, "xyz".index(up)):
-            size = np.ptp(sampled.frames[0], axis=0).max()
+        leads = (
+            read_lead_in(path, clip, count, axis) if _is_gltf(path) else read_usd_lead_in(path, count, axis)
+        )
+        for lead in leads:
+            size = np.ptp(moving.frames[0], axis=0).max()
             if any(np.abs(lead[0] - other).max() < SAME_POSE * size for other in seen):
                 continue
             if not 1.0 / RESIZED < np.ptp(lead[0], axis=0).max() / size < RESIZED:
                 continue
             seen.append(lead[0])
-            moving = MovingSurface(
-                frames=np.concatenate([lead, sampled.frames]),
-                surface=replace(sampled.surface, positions=lead[0].copy()),
-                notes=(sampled.note,),
+            led = replace(
+                moving,
+                frames=np.concatenate([lead, moving.frames]),
+                surface=replace(moving.surface, positions=lead[0].copy()),
                 lead=count,
             )
             try:
-                avatar = _moving_avatar(path, moving, replace(reading, up=up), fps)
+                avatar = moving_avatar(path, led, replace(_completed(reading, moving), up=up), fps)
             except InputError:
                 # The clip can be read: what is wrong is this pose.
                 continue
@@ -180,6 +183,21 @@ def _check_words(path: Path, reading: Reading, fps: float | None, clip: str | No
         raise InputError(f"{path}: clip names an animation of a .glb or .gltf file", file=path, field="clip")
 
 
+def _has_skeleton(path: Path) -> bool:
+    """Whether a file holds a skeleton with joints that move."""
+    if is_folder(path):
+        return False
+    return has_skeleton(path) if _is_gltf(path) and has_animation(path) else has_usd_skeleton(path)
+
+
+def _read_motion(path: Path, fps: float | None, clip: str | None) -> MovingSurface:
+    """Return the frames of a file or folder; those of glTF are sampled."""
+    if not _is_gltf(path):
+        return _read_frames(path)
+    sampled = read_animated_gltf(path, fps or DEFAULT_FPS, clip)
+    return MovingSurface(frames=sampled.frames, surface=sampled.surface, notes=(sampled.note,))
+
+
 def _read_frames(path: Path) -> MovingSurface:
     """Return the frames of an .npz or USD file or a folder."""
     if is_folder(path):
@@ -187,7 +205,7 @@ def _read_frames(path: Path) -> MovingSurface:
     return read_usd(path) if path.suffix.lower() in USD else read_npz_motion(path)
 
 
-def _moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:
+def moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: float | None) -> Avatar:
     """Return the avatar of frames, with its motion."""
     surface = moving.surface
     kept, said = body_faces(path.name, surface, reading.only, reading.without)

@@ -19,6 +19,7 @@ from toile.dressing.files.unknown_format import unknown_format
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
+from toile.geometry.given_arrays import floats, indices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +48,10 @@ class Avatar:
         Vertices and faces of one surface around it at the start, where `vertices` are shells that overlap.
     placed
         Whether it is in its own frame (see `Place`) and not wherever a file has it.
+    repaired
+        Whether toile has closed it and turned it outward: one that is made by hand is, when it is dressed.
+
+    Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
 
     name: str
@@ -59,6 +64,20 @@ class Avatar:
     front: float = 0.0
     solid: tuple[Float, Int] | None = None
     placed: bool = False
+    repaired: bool = False
+
+    def __post_init__(self) -> None:
+        """Take arrays of any numeric type."""
+        vertices = floats(self.vertices, f"{self.name}: vertices", (None, 3), "vertices")
+        faces = indices(self.faces, f"{self.name}: faces", (None, 3), len(vertices), "faces")
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+        if self.motion is not None and self.motion.frames.shape[1:] != vertices.shape:
+            raise InputError(
+                f"{self.name}: the motion is of {self.motion.frames.shape[1]} vertices, the body has "
+                f"{len(vertices)}",
+                field="motion",
+            )
 
     def to_source(self, positions: npt.ArrayLike) -> Float:
         """Positions in the source file's own units and axes, from positions [m], Y up, shape (n, 3)."""
@@ -148,6 +167,7 @@ def repaired_avatar(
         front=front,
         solid=solid if len(parts) > 1 and moves else None,
         notes=(*said, *frame.notes, *facing, *repairs, *shells, *crossing_notes(*solid)),
+        repaired=True,
     )
 
 

@@ -1,11 +1,15 @@
 """An avatar together with its measurements."""
 
+from copy import copy
+from dataclasses import replace
 from functools import cached_property
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.given_measurements import Given, completed
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.place import Place
+from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
 
@@ -26,6 +30,20 @@ class DressForm:
         self.place = Place.of(avatar)
         self.avatar = self.place.own(avatar)
         self.given = dict(given or {})
+
+    def with_skin(self, vertices: Float) -> "DressForm":
+        """Return the form with its skin elsewhere [m], shape (v, 3), and the measurements of this one."""
+        other = copy(self)
+        other.__dict__["_completed"] = self._completed
+        other.avatar = replace(self.avatar, vertices=vertices)
+        return other
+
+    def in_pose(self, vertices: Float, motion: VertexMotion) -> "DressForm":
+        """Return the form with its body in another pose [m], shape (v, 3), measured anew, and moving."""
+        other = copy(self)
+        other.__dict__.pop("_completed", None)
+        other.avatar = replace(self.avatar, vertices=vertices, motion=motion)
+        return other
 
     @cached_property
     def _completed(self) -> tuple[Measurements | InputError, tuple[str, ...]]:

@@ -47,6 +47,7 @@ def mannequin(*, height: float = 1.70, chest: float = 0.92, waist: float = 0.74,
         vertices=np.ascontiguousarray(vertices),
         faces=faces,
         placed=True,
+        repaired=True,
         notes=(
             f"Built-in mannequin: height {height:.3g} m, chest {chest:.3g} m, waist {waist:.3g} m, "
             f"hip {hip:.3g} m.",

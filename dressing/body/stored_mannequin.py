@@ -67,6 +67,7 @@ def _read(path: Path) -> Avatar | None:
             faces=stored["faces"],
             notes=tuple(stored["notes"].tolist()),
             placed=True,
+            repaired=True,
         )
     except (InputError, KeyError):
         return None

@@ -16,7 +16,10 @@ from toile.dressing.files.writers.ply import read_own_ply
 NAME = "certificate.json"
 FORM = 1
 """Number of the form of certificates."""
-WHOLE = ("dressed.glb", "preview.png", "report.json", "dressed.usdc", "fit.json", "fit.png", "body.ply")
+WHOLE = (
+    "dressed.glb", "preview.png", "report.json", "dressed.usdc", "fit.json", "fit.png", "body.ply",
+    "view.html",
+)  # fmt: skip
 FOLDERS = ("frames", "fit")
 """Files of a result beside those of its garments, and folders of which all files are."""
 UNREADABLE = "unreadable"

@@ -2,127 +2,55 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from toile.dressing.cli.parser import DONE, Commands, Parser, say_progress
-from toile.geometry.errors import InputError
-
-if TYPE_CHECKING:
-    from toile.dressing.fabric_fit.estimate import Measured
-    from toile.engine.cloth.fabric import Fabric
-
-UNITS_HELP = (
-    "Values may have units: 42mm, 0.05 gf.cm2/cm, 0.9 gf/(cm.deg), 30 N/m, 12 mN.mm, 5 uN.m, 150 g/m2."
-)
-DRAPE_EDGE = 0.008
-"""Edges of the cloth of a simulated drape test [m]."""
+from toile.dressing.cli.fabric_fit import add_fabric_fit
+from toile.dressing.cli.parser import DONE, Commands, Parser
 
 
 def add_fabric(commands: "Commands[Parser]") -> None:
     """Add the fabric command."""
-    fabric = commands.add_parser("fabric", help="make a fabric from measurements")
-    actions = fabric.add_subparsers(title="actions", metavar="ACTION", parser_class=Parser, required=True)
-    fit = actions.add_parser(
-        "fit",
-        help="fit a fabric to measurements",
-        description="Fit a fabric to measurements, with uncertainties, as a table of a scene file.",
-        epilog=UNITS_HELP,
+    fabric = commands.add_parser("fabric", help="make a fabric of measurements or yarns")
+    kinds = fabric.add_subparsers(dest="kind", required=True)
+    add_fabric_fit(kinds)
+    weave = kinds.add_parser(
+        "weave",
+        help="a fabric from yarn count, ends and picks",
+        description="Say what a woven fabric weighs, how it stretches, bends, shears and locks, from its yarns "
+        "alone; -o writes it as a fabric of a scene file, with a picture.",
     )
-    fit.add_argument("--kes", type=Path, metavar="FILE", help="KES curves (.csv) or figures (.toml)")
-    fit.add_argument("--fast", type=Path, metavar="FILE", help="FAST figures (.toml)")
-    fit.add_argument("--u3m", type=Path, metavar="FILE", help="U3M material, or its physics .json")
-    fit.add_argument(
-        "--cantilever", nargs="+", metavar="LENGTH",
-        help="overhang at 41.5 degrees [mm] along warp, weft and perhaps bias (ASTM D1388, BS 3356)",
+    weave.add_argument(
+        "--yarn", required=True, metavar="FIBRE:COUNT",
+        help="warp yarn, such as cotton:20tex; counts in tex, dtex, den, Ne or Nm",
     )  # fmt: skip
-    fit.add_argument(
-        "--cusick", metavar="PERCENT", help="drape coefficient (BS 5058): bending by simulated drapes"
+    weave.add_argument("--weft", metavar="FIBRE:COUNT", help="weft yarn (default: as the warp)")
+    weave.add_argument("--ends", type=float, required=True, metavar="N", help="warp yarns per centimetre")
+    weave.add_argument("--picks", type=float, required=True, metavar="N", help="weft yarns per centimetre")
+    weave.add_argument(
+        "--weave", default="plain", help="plain, twill, satin, or A/B, such as 3/1 (default: plain)"
     )
-    fit.add_argument("--weight", metavar="MASS", help="mass per area [g/m2]")
-    fit.add_argument("--thickness", metavar="LENGTH", help="thickness [mm]")
-    fit.add_argument("--like", metavar="PRESET", help="preset that supplies what was not measured")
-    fit.add_argument("--name", default="measured", help="name of the fabric (default: measured)")
-    fit.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="write the table here")
-    fit.add_argument("--picture", type=Path, metavar="FILE.svg", help="picture of the fitted curves")
-    fit.set_defaults(run=_run_fit)
+    weave.add_argument(
+        "--warp-wave", type=float, default=0.5, metavar="SHARE",
+        help="share of the waves that is the warp's (default: 0.5)",
+    )  # fmt: skip
+    weave.add_argument("--name", default="woven", help="name of the fabric (default: woven)")
+    weave.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.toml", help="write the fabric, and its picture as .svg"
+    )
+    weave.set_defaults(run=_run_weave)
 
 
-def _run_fit(options: argparse.Namespace) -> int:
-    """Fit a fabric, print it, and write its table and picture."""
-    from toile.dressing.fabric_fit.curve_picture import curves_svg
-    from toile.dressing.fabric_fit.estimate import fabric_of, with_bias
-    from toile.dressing.fabric_fit.fabric_text import fabric_toml, measured_table
-    from toile.dressing.files.writers.atomic import writable_folder, write_atomic
-    from toile.dressing.garment.fabrics import fabric
+def _run_weave(options: argparse.Namespace) -> int:
+    """Print what is known of a weave, and write it."""
+    from toile.dressing.weave.weave_picture import weave_svg
+    from toile.dressing.weave.weave_text import weave_lines, weave_table
+    from toile.dressing.weave.woven import woven
 
-    like = None if options.like is None else fabric(options.like)
-    measured = with_bias(_measured(options, like))
-    found = fabric_of(measured, options.name, like)
-    if options.cusick is not None:
-        measured = measured.together(_draped(options, found))
-        found = fabric_of(measured, options.name, like)
-    print(measured_table(measured, found, options.like))
-    for path, content in (
-        (options.output, fabric_toml(measured, found).encode()),
-        (options.picture, curves_svg(measured.curves, found.name) if measured.curves else None),
-    ):
-        if path is None:
-            continue
-        if content is None:
-            raise InputError("there is no curve to draw: figures alone were given", field="--picture")
-        writable_folder(path.parent)
-        write_atomic(path, content)
-        print(f"wrote {path}")
+    cloth = woven(
+        options.yarn, options.weft or options.yarn, ends=100.0 * options.ends, picks=100.0 * options.picks,
+        weave=options.weave, warp_wave=options.warp_wave,
+    )  # fmt: skip
+    print("\n".join(weave_lines(cloth)))
+    if options.output is not None:
+        options.output.write_text(weave_table(cloth, options.name), encoding="utf-8")
+        options.output.with_suffix(".svg").write_text(weave_svg(cloth), encoding="utf-8")
     return DONE
-
-
-def _measured(options: argparse.Namespace, like: "Fabric | None") -> "Measured":
-    """Return what all measurements say; those given by hand win."""
-    from toile.dressing.fabric_fit.cantilever import DIRECTIONS, cantilever
-    from toile.dressing.fabric_fit.estimate import Estimate, Measured
-    from toile.dressing.fabric_fit.fast import read_fast
-    from toile.dressing.fabric_fit.kes import read_kes
-    from toile.dressing.fabric_fit.u3m import read_u3m
-    from toile.dressing.fabric_fit.units import quantity
-
-    measured = Measured(values={})
-    for path, read in ((options.u3m, read_u3m), (options.fast, read_fast), (options.kes, read_kes)):
-        if path is not None:
-            measured = measured.together(read(path))
-    for said, name, kind, unit in (
-        (options.weight, "areal_density", "mass per area", "g/m2"),
-        (options.thickness, "thickness", "length", "mm"),
-    ):
-        if said is not None:
-            value = quantity(said, kind, unit)
-            own = Estimate(value=value, error=0.01 * value, source="given")
-            measured = measured.together(Measured(values={name: own}))
-    if options.cantilever is not None:
-        density = measured.values.get("areal_density")
-        if density is None and like is None:
-            raise InputError("--cantilever needs the --weight of the cloth", field="--weight")
-        if not 2 <= len(options.cantilever) <= len(DIRECTIONS):
-            raise InputError(
-                "--cantilever takes overhangs along warp, weft and perhaps bias", field="--cantilever"
-            )
-        heavy = density.value if density is not None else (0.0 if like is None else like.areal_density)
-        lengths = [quantity(said, "length", "mm") for said in options.cantilever]
-        measured = measured.together(cantilever(heavy, lengths))
-    if not measured.values and options.cusick is None:
-        raise InputError("nothing was measured: give --kes, --fast, --u3m, --cantilever or --cusick")
-    return measured
-
-
-def _draped(options: argparse.Namespace, found: "Fabric") -> "Measured":
-    """Return the bending that a drape coefficient says."""
-    from toile.dressing.fabric_fit.cusick_fit import bending_from_drape
-    from toile.dressing.fabric_fit.estimate import Measured
-    from toile.dressing.fabric_fit.units import quantity
-    from toile.studies.validation.cusick import drape_coefficient, hung
-
-    def percent(material: "Fabric") -> float:
-        cloth, _ = hung(material, DRAPE_EDGE)
-        return 100.0 * drape_coefficient(cloth)
-
-    wanted = 100.0 * quantity(options.cusick, "strain", "%")
-    return Measured(values=bending_from_drape(found, wanted, percent, say_progress))

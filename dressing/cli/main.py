@@ -30,6 +30,7 @@ from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
 from toile.dressing.cli.verify import add_verify
+from toile.dressing.cli.view import add_view
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,8 +47,8 @@ examples:
   toile batch --avatars 'bodies/*.obj' --garments tshirt trousers --job-timeout 600 -o out
   toile mannequin --height 182 --chest 104 -o body.glb
 
-exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed, 4 the garment fell off,
-5 cloth grew beyond reason, 130 cancelled"""
+exit codes: 0 converged or frame limit reached, 2 bad input, 3 simulation failed or disk full,
+4 the garment fell off, 5 cloth grew beyond reason, 130 cancelled"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -72,6 +73,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("TOILE_TRACEBACK"):
             raise
+        if isinstance(error, OSError):
+            print(f"toile: {_unwritten(error)}", file=sys.stderr)
+            return FAILED
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         print(
             f"toile: the simulation failed unexpectedly ({reason}); this is a bug in toile, "
@@ -79,6 +83,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return FAILED
+
+
+def _unwritten(error: OSError) -> str:
+    """Say in a line which file could not be written or read, and what to do."""
+    from toile.dressing.batch.failure_classes import disk_is_full
+
+    file = error.filename or "a file"
+    reason = error.strerror or type(error).__name__
+    if disk_is_full(error):
+        return (
+            f"{file}: the disk is full ({reason}); make room and run it again, a run that had begun with "
+            "toile dress --resume OUTDIR"
+        )
+    return f"{file}: cannot be read or written ({reason}); check its folder, rights and disk"
 
 
 def command_parser() -> argparse.ArgumentParser:
@@ -117,6 +135,7 @@ def command_parser() -> argparse.ArgumentParser:
     add_fit(commands)
     add_verify(commands)
     add_pattern(commands)
+    add_view(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
@@ -129,7 +148,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress = commands.add_parser(
         "dress",
         help="drape garments on a body",
-        description="Drape garments on a body and write dressed.glb, preview.png, report.json "
+        description="Drape garments on a body and write dressed.glb, preview.png, view.html, report.json "
         "and a PLY and OBJ per garment.",
     )
     dress.add_argument("scene", nargs="?", type=Path, metavar="SCENE.toml", help="scene file")
@@ -143,7 +162,8 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     add_reading(dress)
     dress.add_argument(
         "--lead-in", type=lead_in, metavar="SECONDS|off",
-        help="motion from the rest pose of a .glb BODY into its clip (default: 1 s where its arms hang)",
+        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
+        "hang); off leaves the arms of a body that stands",
     )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(

@@ -1,7 +1,8 @@
 """What measurements say of a fabric: values with uncertainties, and the curves behind them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -72,11 +73,8 @@ def with_bias(measured: Measured) -> Measured:
 
 def fabric_of(measured: Measured, name: str, like: Fabric | None) -> Fabric:
     """Return a fabric of what was measured, and of `like` in the rest. Raises InputError if values lack."""
-    found = {key: estimate.value for key, estimate in measured.values.items()}
-    needed = [
-        entry.name for entry in fields(Fabric)
-        if entry.name not in {"name", "compression", "damping", "friction_body", "friction_self"}
-    ]  # fmt: skip
+    found: dict[str, Any] = {key: estimate.value for key, estimate in measured.values.items()}
+    needed = [entry.name for entry in fields(Fabric) if entry.default is MISSING and entry.name != "name"]
     missing = [key for key in needed if key not in found]
     if like is None:
         if missing:

@@ -1,8 +1,8 @@
 """A triangulated surface as mesh files hold it: nodes, and texture coordinates per face corner."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,8 @@ class Surface:
         One name per group.
     file_face
         Number of the face in the file, from 0, shape (t,): a polygon gives several triangles.
+    attributes
+        Numbers of the file at its nodes by their names, shape (n,) each, where it was just read.
     """
 
     positions: Float
@@ -39,6 +41,7 @@ class Surface:
     panel: Int
     panel_names: tuple[str, ...]
     file_face: Int
+    attributes: Mapping[str, Float] = field(default_factory=dict)
 
     @staticmethod
     def from_polygons(
@@ -114,6 +117,19 @@ def triangle_surface(positions: Float, faces: Int) -> Surface:
         panel_names=("garment",),
         file_face=np.arange(len(faces), dtype=np.int32),
     )
+
+
+def node_attributes(
+    columns: Mapping[str, Any], count: int, not_these: Iterable[str] = ()
+) -> dict[str, Float]:
+    """Return the columns of a file that hold one finite number for each of so many nodes, by their names."""
+    found: dict[str, Float] = {}
+    for name, values in columns.items():
+        if name in not_these or not isinstance(values, np.ndarray) or values.dtype.kind not in "biuf":
+            continue
+        if values.size == count and values.shape[0] == count and np.isfinite(values).all():
+            found[name] = values.reshape(count).astype(np.float64)
+    return found
 
 
 class MeshFile(NamedTuple):

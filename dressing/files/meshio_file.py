@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from toile.dressing.files.corner_surface import MeshFile, Surface
+from toile.dressing.files.corner_surface import MeshFile, Surface, node_attributes
 from toile.dressing.files.volume_skin import CELL_FACES, Cells, Polygons, cell_faces, skin, without
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
@@ -74,7 +74,10 @@ def read_mesh_file(path: Path, what: str, shape: Float | None = None) -> MeshFil
         shape=shape,
     )
     surface = _without_collapsed(surface, np.array([len(corner) for corner in corners]))
-    surface = replace(surface, file_face=cell[surface.file_face].astype(np.int32))
+    surface = replace(
+        surface, file_face=cell[surface.file_face].astype(np.int32),
+        attributes=node_attributes(mesh.point_data, len(points)),
+    )  # fmt: skip
     return MeshFile(surface.with_panel_names(names), tuple(notes))
 
 

@@ -4,14 +4,14 @@ Turk (1994), The PLY polygon file format.
 """
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from toile.dressing.files.corner_surface import Surface
+from toile.dressing.files.corner_surface import Surface, node_attributes
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
 
@@ -77,7 +77,10 @@ def read_ply(path: Path, shape: Float | None = None) -> Surface:
         positions=positions, corners=chosen, uv=uv, uv_corners=uv_corners,
         panel=np.zeros(len(chosen), np.int32), shape=shape,
     )  # fmt: skip
-    return surface.with_panel_names(("",))
+    attributes = node_attributes(
+        vertex, len(positions), (*"xyz", *(name for pair in TEXTURE for name in pair))
+    )
+    return replace(surface.with_panel_names(("",)), attributes=attributes)
 
 
 def _whole(row: Numbers) -> list[int]:

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,19 @@ ROUNDS = 50
 """Rounds of mending at most: each mends faces that do not touch each other."""
 
 
-def mended_surface(surface: Surface) -> tuple[Surface, tuple[str, ...]]:
+Birth = tuple[int, int, float]
+"""A texture corner between two earlier ones, and how far from the first towards the second it lies."""
+
+
+class Mended(NamedTuple):
+    """A mended surface [m], sentences on what was done, and corners born between others, after the file's."""
+
+    surface: Surface
+    notes: tuple[str, ...]
+    births: list[Birth]
+
+
+def mended_surface(surface: Surface) -> Mended:
     """Return a surface [m] without doubled faces and faces without area, its borders joined; say so.
 
     A face counts as doubled if another one has the same vertices, or the same places in the other direction.
@@ -38,7 +51,7 @@ def mended_surface(surface: Surface) -> tuple[Surface, tuple[str, ...]]:
     faces = exactly_welded(surface.positions, surface.faces)
     faces, joined, widest = _nearly_welded(surface.positions, faces)
     surface, again = _without_doubles(replace(surface, faces=faces), by_place=False)
-    surface, flat = _with_area(surface)
+    surface, flat, births = _with_area(surface)
     doubled = np.concatenate([doubled, again])
     notes = []
     if len(doubled):
@@ -47,7 +60,7 @@ def mended_surface(surface: Surface) -> tuple[Surface, tuple[str, ...]]:
         notes.append(f"{joined} vertices on borders that lie up to {1e6 * widest:.0f} um apart are joined")
     if len(flat):
         notes.append(f"{named(flat)} mended: no area")
-    return surface, tuple(notes)
+    return Mended(surface, tuple(notes), births)
 
 
 def exactly_welded(positions: Float, faces: Int) -> Int:
@@ -135,24 +148,27 @@ def _nearly_welded(positions: Float, faces: Int) -> tuple[Int, int, float]:
     return target[faces], int(np.count_nonzero(target != np.arange(count))), float(apart[near].max())
 
 
-def _with_area(surface: Surface) -> tuple[Surface, Int]:
-    """Mend faces without area; return the numbers of those in the file as well.
+def _with_area(surface: Surface) -> tuple[Surface, Int, list[Birth]]:
+    """Mend faces without area; return the numbers of those in the file, and corners born, as well.
 
     The short side of a needle becomes one vertex. The long side of a cap, whose third vertex lies on it, is
     turned: the face behind it is split at that vertex.
     """
     mended: list[Int] = []
+    births: list[Birth] = []
     for _ in range(ROUNDS):
         bad = np.flatnonzero(without_area(surface.positions, surface.faces)).astype(np.int32)
         if not len(bad):
             break
         mended.append(surface.file_face[bad])
-        surface = _mend_round(surface, bad)
-    return surface, np.unique(np.concatenate(mended)) if mended else np.empty(0, np.int32)
+        surface, born = _mend_round(surface, bad)
+        births += born
+    return surface, np.unique(np.concatenate(mended)) if mended else np.empty(0, np.int32), births
 
 
-def _mend_round(surface: Surface, bad: Int) -> Surface:
+def _mend_round(surface: Surface, bad: Int) -> tuple[Surface, list[Birth]]:
     """Mend faces that do not touch each other; those left over have their turn in the next round."""
+    births: list[Birth] = []
     faces, uv_faces, panel = surface.faces.copy(), surface.uv_faces.copy(), surface.panel.copy()
     keep, busy = np.ones(len(faces), bool), np.zeros(len(surface.positions), bool)
     target = np.arange(len(surface.positions), dtype=np.int32)
@@ -191,6 +207,7 @@ def _mend_round(surface: Surface, bad: Int) -> Surface:
         if min(up, uq) >= 0:
             reach = surface.positions[q] - surface.positions[p]
             share = float((surface.positions[c] - surface.positions[p]) @ reach / (reach @ reach))
+            births.append((up, uq, share))
             uv.append((1.0 - share) * surface.uv[[up]] + share * surface.uv[[uq]])
             uc, count = count, count + 1
         faces[other], faces[face] = (p, c, d), (c, q, d)
@@ -199,4 +216,4 @@ def _mend_round(surface: Surface, bad: Int) -> Surface:
     faces = target[faces]
     keep &= (faces != np.roll(faces, -1, axis=1)).all(axis=1)
     mended = replace(surface, faces=faces, uv_faces=uv_faces, panel=panel, uv=np.concatenate(uv))
-    return mended.with_faces(keep)
+    return mended.with_faces(keep), births

@@ -57,6 +57,11 @@ class OneLine:
         return self._line
 
 
+def key_path(field: str | None) -> KeyPath:
+    """Return the path of a key that is written with dots, such as "elastic.0.rest"; empty for None."""
+    return tuple(int(part) if part.isdigit() else part for part in field.split(".")) if field else ()
+
+
 def _parts(dotted: str) -> tuple[str, ...]:
     """Return the parts of a dotted key without quotes."""
     return tuple(part.strip().strip("\"'") for part in re.findall(PART, dotted))

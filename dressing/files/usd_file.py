@@ -1,5 +1,6 @@
 """Reader of USD files, still or in motion: meshes that a renderer shows, skeletons and transforms applied."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,12 +58,12 @@ def _read(path: Path) -> MovingSurface:
     """Return what `read_usd` does, with errors of USD's own."""
     from pxr import UsdGeom
 
-    stage = _opened(path)
-    meshes = [prim for prim in stage.Traverse() if _is_shown(prim)]
+    stage = opened_stage(path)
+    meshes = shown_meshes(stage)
     if not meshes:
         raise InputError(f"{path}: holds no mesh that is shown; export the body as a mesh", file=path)
-    times = _times(path, stage, meshes)
-    points = [_points(path, meshes, time) for time in times]
+    times = frame_times(path, stage, meshes)
+    points = [world_points(path, meshes, time) for time in times]
     other = next((index for index, own in enumerate(points) if len(own) != len(points[0])), None)
     if other is not None:
         raise InputError(
@@ -88,16 +89,23 @@ def _read(path: Path) -> MovingSurface:
     )
 
 
-def _opened(path: Path) -> "Usd.Stage":
-    """Return the stage with its skeletons baked into points."""
+def opened_stage(path: Path, prepare: Callable[["Usd.Stage"], None] | None = None) -> "Usd.Stage":
+    """Return the stage with its skeletons baked into points, after what is done to it before."""
     from pxr import Usd, UsdSkel
 
     stage = Usd.Stage.Open(str(path))
     if any(prim.IsA(UsdSkel.Root) for prim in stage.Traverse()):
         # The file itself must not be written to.
         stage = Usd.Stage.Open(stage.Flatten())
+        if prepare is not None:
+            prepare(stage)
         UsdSkel.BakeSkinning(stage.Traverse())
     return stage
+
+
+def shown_meshes(stage: "Usd.Stage") -> "list[Usd.Prim]":
+    """Return the meshes that a renderer shows."""
+    return [prim for prim in stage.Traverse() if _is_shown(prim)]
 
 
 def _is_shown(prim: "Usd.Prim") -> bool:
@@ -111,7 +119,7 @@ def _is_shown(prim: "Usd.Prim") -> bool:
     return bool(shown and image.ComputeVisibility() != UsdGeom.Tokens.invisible)
 
 
-def _times(path: Path, stage: "Usd.Stage", meshes: "list[Usd.Prim]") -> list[Any]:
+def frame_times(path: Path, stage: "Usd.Stage", meshes: "list[Usd.Prim]") -> list[Any]:
     """Return the time codes of the frames; one, the earliest, where nothing moves."""
     from pxr import Usd, UsdGeom
 
@@ -130,7 +138,7 @@ def _times(path: Path, stage: "Usd.Stage", meshes: "list[Usd.Prim]") -> list[Any
     return [Usd.TimeCode(start + index) for index in range(int(end - start + 1e-6) + 1)]
 
 
-def _points(path: Path, meshes: "list[Usd.Prim]", time: Any) -> Float:
+def world_points(path: Path, meshes: "list[Usd.Prim]", time: Any) -> Float:
     """Return the points of all meshes in the world at a time, shape (n, 3)."""
     from pxr import UsdGeom
 

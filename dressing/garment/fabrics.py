@@ -1,19 +1,18 @@
 """Fabric presets, and the check that a user's own fabric is physical."""
 
 import csv
-import math
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fabric_limits import wrong_number
+from toile.dressing.garment.stretch_check import CURVES, unlike_cloth, wrong_curve
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
 
 DEFAULT_FABRIC = "cotton-poplin"
-MUST_BE_POSITIVE = frozenset({"areal_density", "thickness", "stretch_warp", "stretch_weft"})
-"""Fields that cannot be zero: without mass or thread stiffness there is no cloth to simulate."""
 
 
 class DrapeBand(NamedTuple):
@@ -24,9 +23,13 @@ class DrapeBand(NamedTuple):
     estimated: bool
 
 
-@cache
 def fabrics() -> dict[str, Fabric]:
     """Return all presets by name, in the order of fabrics.csv (where the sources are)."""
+    return dict(_presets())
+
+
+@cache
+def _presets() -> dict[str, Fabric]:
     return {row["name"]: _from_row(row) for row in _rows()}
 
 
@@ -48,20 +51,15 @@ def fabric(name: str) -> Fabric:
 
 
 def invalid_field(fabric: Fabric) -> tuple[str, str] | None:
-    """Return the first unphysical field and what is wrong with it, or None if the fabric is fine."""
+    """Return the first field that no cloth has and what is wrong with it, or None if the fabric is fine."""
     for entry in fields(fabric):
-        if entry.name == "name":
-            continue
-        value = getattr(fabric, entry.name)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            return entry.name, f"must be a finite number, got {value!r}"
-        if entry.name in MUST_BE_POSITIVE and value <= 0.0:
-            return entry.name, f"must be greater than zero, got {value:g}"
-        if value < 0.0:
-            return entry.name, f"must not be negative, got {value:g}"
-        if entry.name == "compression" and value > 1.0:
-            return entry.name, f"is a share and must not exceed 1, got {value:g}"
-    return None
+        if entry.name != "name":
+            value = getattr(fabric, entry.name)
+            is_curve = entry.name in CURVES
+            wrong = wrong_curve(value) if is_curve else wrong_number(entry.name, value)
+            if wrong is not None:
+                return entry.name, wrong
+    return unlike_cloth(fabric)
 
 
 def checked_fabric(fabric: Fabric) -> Fabric:

@@ -1,5 +1,6 @@
 """A 3-D mesh as a garment: the mesh is its own rest shape."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,12 +15,14 @@ from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.meshio_file import FORMATS as MESHIO_FORMATS
 from toile.dressing.files.on_disk import is_file
 from toile.dressing.files.read_surface import read_surface
+from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.surface_check import checked_surface, crowded_faces
 from toile.dressing.files.surface_mend import mended_surface, named
 from toile.dressing.garment.double_walls import as_layers
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_subdivision import subdivide
 from toile.dressing.garment.trims import without_trims
+from toile.engine.cloth.fields.paintings import VertexPainting
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
@@ -46,6 +49,7 @@ def read_mesh_garment(
     place: Place = ROOM,
     edge_length: float | None = None,
     walls: int = 1,
+    attributes: Collection[str] = (),
 ) -> GarmentMesh:
     """Return the garment of a mesh file of one of FORMATS, or of arrays in an .npz file.
 
@@ -71,6 +75,8 @@ def read_mesh_garment(
         Edges much longer than this [m] are split; None keeps the file's triangles.
     walls
         How many layers the two walls of a mesh with thickness are: 1 or 2.
+    attributes
+        Names of the attributes of its vertices that are asked for.
 
     Raises
     ------
@@ -100,7 +106,8 @@ def read_mesh_garment(
         )
     metres = _in_metres(path, surface.positions, units, up, avatar, place)
     _check_size(path, metres)
-    surface, mended = mended_surface(replace(surface, positions=metres))
+    read = surface = replace(surface, positions=metres)
+    surface, mended, _ = mended_surface(surface)
     if not len(surface.faces):
         raise InputError(f"{path}: no face has an area; export the garment again", file=path)
     surface, trims, with_trims = without_trims(surface)
@@ -113,8 +120,24 @@ def read_mesh_garment(
     with about(file=path):
         garment = garment_from_surface(surface, name=name or path.stem, edge_length=edge_length)
     return replace(
-        garment, trims=trims, thickness=thickness, notes=(*notes, *mended, *with_trims, *walled, *joined)
-    )
+        garment, trims=trims, thickness=thickness, notes=(*notes, *mended, *with_trims, *walled, *joined),
+        attributes=_attributes_at(garment.positions, read, attributes),
+    )  # fmt: skip
+
+
+def _attributes_at(points: Float, read: Surface, names: Collection[str]) -> dict[str, Float]:
+    """Return attributes of a surface as it was read [m] at points on it, (n, 3), by their names.
+
+    Raises InputError if it has none of a name.
+    """
+    found: dict[str, Float] = {}
+    for name in names:
+        if name not in read.attributes:
+            known = list(read.attributes) or ["none in this file"]
+            raise InputError(unknown_name("attribute", name, known), field="attribute")
+        painting = VertexPainting(points=read.positions, faces=read.faces, values=read.attributes[name])
+        found[name] = painting.at(points)
+    return found
 
 
 def _check_size(path: Path, metres: Float) -> None:

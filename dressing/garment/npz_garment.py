@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.surface_check import check_vertex_numbers, checked_surface
+from toile.dressing.files.surface_mend import Birth, mended_surface
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.mesh_garment import garment_from_surface
 from toile.dressing.pattern.garmentcode_roles import edge_role
@@ -22,6 +24,8 @@ from toile.geometry.errors import InputError
 
 HELD = "held_"
 """Begins the names of arrays of labelled vertices, such as held_lower_interface; labels are GarmentCode's."""
+FIELD = "field_"
+"""Begins the names of arrays of numbers per vertex, such as field_stiff, from which fields may be painted."""
 PIN_STIFFNESS = 1000.0
 """Stiffness per area of pins of weight 1 that give way [N/m^3], unless the file has another.
 
@@ -56,7 +60,8 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         number of every face in the program it comes from; `pins` (n,), weights from 0 to 1: vertices of
         weight 1 are held in place, others drawn to theirs by `pin_stiffness` [N/m^3] times their weight and
         their area; `stitches` (s, 2), pairs of vertices to be sewn together; `held_LABEL`, numbers of
-        vertices on an edge of that label; `motion` (k, n, 3) and `fps`, where pins go while the avatar moves.
+        vertices on an edge of that label; `field_NAME` (n,), numbers from which fields are painted; `motion`
+        (k, n, 3) and `fps`, where pins go while the avatar moves.
     name
         Name of the garment.
     edge_length
@@ -83,24 +88,51 @@ def read_npz_garment(path: Path, *, name: str, edge_length: float | None = None)
         panel_names=tuple(f"piece {number}" for number in range(len(used))),
         file_face=held.get("polygon", np.arange(len(faces))).astype(np.int32),
     )  # fmt: skip
+    surface, notes, births = mended_surface(surface)
+    if not len(surface.faces):
+        raise InputError(f"{path}: no face has an area; export the garment again", file=path, field="faces")
     mesh = garment_from_surface(checked_surface(path, surface), name=name, edge_length=edge_length)
     assert mesh.origin is not None
+    origin = _of_the_file(mesh.origin, births) if births else mesh.origin
     pins = _pins(path, held)
     labels = {
-        key.removeprefix(HELD): _whole(mesh.origin, np.isin(corner_vertex, held[key]))
+        key.removeprefix(HELD): _whole(origin, np.isin(corner_vertex, held[key]))
         for key in held
         if key.startswith(HELD)
     }
     mesh = replace(
         mesh,
-        pinned=_whole(mesh.origin, pins[corner_vertex] == 1.0),
-        pull=_pull(path, held, pins, mesh.origin, corner_vertex),
+        notes=notes,
+        origin=origin,
+        pinned=_whole(origin, pins[corner_vertex] == 1.0),
+        pull=_pull(path, held, pins, origin, corner_vertex),
         held=labels,
         edges=_by_role(labels),
         motion=_motion(path, held, corner_vertex),
+        attributes={
+            key.removeprefix(FIELD): origin.at_vertices(held[key].astype(np.float64)[corner_vertex])
+            for key in held
+            if key.startswith(FIELD)
+        },
     )
     stitches = held.get("stitches", np.empty((0, 2))).astype(np.int32)
     return _sewn(path, mesh, stitches, corner_vertex) if len(stitches) else mesh
+
+
+def _of_the_file(origin: Origin, births: list[Birth]) -> Origin:
+    """Return an origin by the corners of the file, from one with corners born in mending after these."""
+    count = int(origin.first[-1]) - len(births)
+    rows = [{corner: 1.0} for corner in range(count)]
+    for a, b, share in births:
+        row = {corner: (1.0 - share) * weight for corner, weight in rows[a].items()}
+        for corner, weight in rows[b].items():
+            row[corner] = row.get(corner, 0.0) + share * weight
+        rows.append(row)
+    entries = [(number, corner, weight) for number, row in enumerate(rows) for corner, weight in row.items()]
+    rows_of, corners, weights = np.array(entries, np.float64).reshape(-1, 3).T
+    place = (rows_of.astype(np.int64), corners.astype(np.int64))
+    own = csr_array((weights, place), shape=(len(rows), count))
+    return replace(origin, weights=csr_array(origin.weights @ own), first=np.array([0, count], np.int32))
 
 
 def _by_role(labels: dict[str, Int]) -> dict[EdgeRole, Int]:
@@ -128,10 +160,10 @@ def _read(path: Path) -> dict[str, Any]:
             f"{path}: `uv` and `uv_faces` belong together; give both or none", file=path, field="uv"
         )
     for name, array in held.items():
-        wanted = (None,) if name.startswith(HELD) else SHAPES.get(name)
+        wanted = (None,) if name.startswith((HELD, FIELD)) else SHAPES.get(name)
         if wanted is None:
             raise InputError(
-                f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)} and {HELD}LABEL",
+                f"{path}: unknown array `{name}`; known are {', '.join(SHAPES)}, {HELD}LABEL and {FIELD}NAME",
                 file=path,
                 field=name,
             )
@@ -147,6 +179,13 @@ def _read(path: Path) -> dict[str, Any]:
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise InputError(
                 f"{path}: `{name}` has NaN or infinite values; export the garment again",
+                file=path,
+                field=name,
+            )
+    for name, array in held.items():
+        if name.startswith(FIELD) and len(array) != len(held["vertices"]):
+            raise InputError(
+                f"{path}: `{name}` has {len(array)} rows, but `vertices` has {len(held['vertices'])}",
                 file=path,
                 field=name,
             )

@@ -1,17 +1,20 @@
 """From a sewing pattern to a triangulated garment with open seams."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
 
-from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.garment.fields.cut_mesh import Level, cut_along
+from toile.dressing.garment.folded_panel import FoldedMesh, fold_cuts, folded_mesh, joined_cuts
+from toile.dressing.garment.garment_mesh import Border, GarmentMesh
 from toile.dressing.pattern.pattern import Edge, Panel, Pattern
 from toile.dressing.pattern.pattern_curve import edge_length as length_of
 from toile.dressing.pattern.pattern_curve import sagitta
 from toile.dressing.pattern.pattern_outline import crossing_sides, outline, signed_area, to_world
-from toile.dressing.pattern.split_seams import split_seams
+from toile.dressing.pattern.split_seams import EdgeKey, split_seams
+from toile.engine.cloth.folds import FoldLine, Folds
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.remesh.panel.panel_mesh import triangulate_panel
@@ -31,12 +34,18 @@ ROUND = 0.00025
 
 
 def mesh_pattern(
-    pattern: Pattern, *, edge_length: float, curve_edge_length: float | None = None
+    pattern: Pattern,
+    *,
+    edge_length: float,
+    curve_edge_length: float | None = None,
+    cuts: Mapping[EdgeKey, Sequence[float]] | None = None,
+    lines: Mapping[str, Sequence[Level]] | None = None,
 ) -> GarmentMesh:
     """Triangulate every panel at about `edge_length` [m], place it, and match vertices along the stitches.
 
     Curved edges may have shorter sides, down to `curve_edge_length` [m]: an adaptive mesh splits its border,
-    but never rounds it.
+    but never rounds it. `cuts` are fractions at which edges get a corner, together with what is sewn to
+    them; panels are cut into regions along `lines`, by the panel's name, in its own coordinates.
 
     Raises
     ------
@@ -47,15 +56,21 @@ def mesh_pattern(
         raise InputError(
             f"edge_length must be a positive number of metres, got {edge_length}", field="edge_length"
         )
-    pattern = split_seams(pattern)
-    segments = matched_segments(pattern, edge_length, curve_edge_length or edge_length)
-    positions, uv, faces, panel_of, rest, first = [], [], [], [], [], {}
+    cuts = joined_cuts(cuts, fold_cuts(pattern))
+    pattern = split_seams(pattern, cuts)
+    segments = matched_segments(
+        pattern, edge_length, curve_edge_length or edge_length, keep_pieces=cuts is not None
+    )
+    positions, uv, faces, panel_of, rest, first, parts = [], [], [], [], [], {}, list[Folds | None]()
     count = 0
     for index, panel in enumerate(pattern.panels):
         border, clockwise = _border(pattern.name, panel, segments[panel.name])
         # Seen from the right side of the fabric every loop runs counter-clockwise.
         mirror = np.array([-1.0 if clockwise else 1.0, 1.0])
-        mesh = _filled(pattern.name, panel, border * mirror, edge_length)
+        mesh = _filled(pattern.name, panel, border * mirror, edge_length, mirror)
+        parts.append(_folds(panel, mesh, mirror))
+        if lines is not None and lines.get(panel.name):
+            mesh = _cut(pattern.name, panel, mesh, len(border), lines[panel.name], mirror)
         flat = mesh[0] * mirror
         first[panel.name] = count
         positions.append(to_world(panel, flat))
@@ -82,13 +97,50 @@ def mesh_pattern(
         held=vertices_on(pattern, segments, first, lambda edge: edge.label),
         edges=vertices_on(pattern, segments, first, lambda edge: edge.role),
         minimum_angle=float(np.degrees(corner_angles(rest_corners).min())),
+        folds=Folds.together(parts, [len(some) for some in faces]),
+        borders=tuple(_borders(pattern, segments, first)),
     )
 
 
-def matched_segments(pattern: Pattern, edge_length: float, curve_edge_length: float) -> Segments:
-    """Segments per edge: as many as the lengths ask for; on both sides of a stitch those of the longer."""
+def _cut(
+    pattern: str, panel: Panel, mesh: FoldedMesh, border: int, lines: Sequence[Level], mirror: Float
+) -> FoldedMesh:
+    """Return the mesh of a panel cut along lines in its own coordinates, the `mirror` of these."""
+    if panel.folds:
+        raise InputError(
+            f"{pattern}: panel '{panel.name}' has folds, and fields with a border within it; give it "
+            "fields of the whole panel only",
+            field=f"pattern.panels.{panel.name}",
+        )
+
+    def seen(line: Level) -> Level:
+        return lambda points: line(points * mirror)
+
+    vertices, faces = mesh.vertices, mesh.faces
+    for line in lines:
+        vertices, faces = cut_along(vertices, faces, np.arange(len(vertices)) < border, seen(line))
+    return FoldedMesh(vertices, faces, np.zeros(len(faces), np.int32), ())
+
+
+def _borders(pattern: Pattern, segments: Segments, first: dict[str, int]) -> Iterator[Border]:
+    """Yield the edges of all panels, by their numbers before they were cut."""
+    for panel in pattern.panels:
+        for number, edge in enumerate(panel.edges):
+            piece = edge.piece or (number, 0.0, 1.0)
+            vertices = edge_vertices(segments, first, panel.name, number)
+            yield Border(panel.name, *piece, edge.label, edge.role, vertices)
+
+
+def matched_segments(
+    pattern: Pattern, edge_length: float, curve_edge_length: float, keep_pieces: bool = False
+) -> Segments:
+    """Segments per edge: as many as the lengths ask for; on both sides of a stitch those of the longer.
+
+    With `keep_pieces` no piece of an edge that was cut shrinks to a vertex, however short it is.
+    """
     segments = {
-        panel.name: _wanted_segments(panel, edge_length, curve_edge_length) for panel in pattern.panels
+        panel.name: _wanted_segments(panel, edge_length, curve_edge_length, keep_pieces)
+        for panel in pattern.panels
     }
     for stitch in pattern.stitches:
         most = max(segments[stitch.panel_a][stitch.edge_a], segments[stitch.panel_b][stitch.edge_b])
@@ -97,8 +149,13 @@ def matched_segments(pattern: Pattern, edge_length: float, curve_edge_length: fl
     return segments
 
 
-def _wanted_segments(panel: Panel, edge_length: float, curve_edge_length: float) -> list[int]:
+def _wanted_segments(
+    panel: Panel, edge_length: float, curve_edge_length: float, keep_pieces: bool
+) -> list[int]:
     counts = [_sides(panel, i, edge_length, curve_edge_length) for i in range(len(panel.edges))]
+    if keep_pieces:
+        cut = [edge.piece is not None and edge.piece[1:] != (0.0, 1.0) for edge in panel.edges]
+        counts = [max(count, piece) for count, piece in zip(counts, cut, strict=True)]
     return counts if sum(counts) >= 4 else [max(1, count) for count in counts]
 
 
@@ -188,12 +245,32 @@ def _border(pattern: str, panel: Panel, segments: list[int]) -> tuple[Float, boo
     return polygon, signed_area(polygon) < 0.0
 
 
-def _filled(pattern: str, panel: Panel, border: Float, edge_length: float) -> tuple[Float, Int]:
+def _filled(pattern: str, panel: Panel, border: Float, edge_length: float, mirror: Float) -> FoldedMesh:
     """Vertices and faces inside a border; the border's vertices come first, in the order of the loop."""
     try:
+        if panel.folds:
+            folds = {f"fold {n}": np.array(fold.points) * mirror for n, fold in enumerate(panel.folds)}
+            return folded_mesh(border, folds, edge_length)
         mesh = triangulate_panel(border, edge_length=edge_length)
     except ValueError as error:
         raise InputError(
             f"{pattern}: panel '{panel.name}': {error}", field=f"pattern.panels.{panel.name}"
         ) from None
-    return mesh.vertices, mesh.faces
+    return FoldedMesh(mesh.vertices, mesh.faces, np.zeros(len(mesh.faces), np.int32), ())
+
+
+def _folds(panel: Panel, mesh: FoldedMesh, mirror: Float) -> Folds | None:
+    """Return the folds of a panel in its own coordinates, None if it has none."""
+    if not panel.folds:
+        return None
+    parts = tuple(range(int(mesh.part.max()) + 1))
+    lines = tuple(
+        FoldLine(
+            line * mirror,
+            math.radians(fold.degrees),
+            math.nan if fold.stiffness is None else fold.stiffness,
+            parts,
+        )
+        for fold, line in zip(panel.folds, mesh.lines, strict=True)
+    )
+    return Folds(part=mesh.part, lines=lines)

@@ -48,55 +48,62 @@ def read_garmentcode(path: str | Path) -> Pattern:
     """
     path = Path(path)
     with about(file=path):
-        return _pattern(path)
+        return _pattern(_load(path), path.name)
 
 
-def _pattern(path: Path) -> Pattern:
-    """Return the pattern of a file."""
-    document = _load(path)
+def pattern_of(document: Mapping[str, Any], name: str = "garment") -> Pattern:
+    """Return the pattern of a GarmentCode specification that is in memory, called `name`.
+
+    Raises InputError as `read_garmentcode` does.
+    """
+    return _pattern(document, name)
+
+
+def _pattern(document: Mapping[str, Any], file: str) -> Pattern:
+    """Return the pattern of a document; `file` is the name of its file, for messages and its own name."""
     with about(field="pattern"):
         body = _mapping(
-            document.get("pattern"), f"{path.name}: 'pattern'", "this is not a GarmentCode specification"
+            document.get("pattern"), f"{file}: 'pattern'", "this is not a GarmentCode specification"
         )
     properties = document.get("properties") or {}
     if not isinstance(properties, Mapping):
-        raise InputError(f"{path.name}: 'properties' must be an object of settings", field="properties")
+        raise InputError(f"{file}: 'properties' must be an object of settings", field="properties")
     notes: list[str] = []
     units = properties.get("units_in_meter")
     if units is None:
         units, word = likely_units(body)
         notes.append(f"The pattern does not say its units; {word} are assumed.")
     with about(field="properties.units_in_meter"):
-        units = _number(units, f"{path.name}: properties.units_in_meter")
+        units = _number(units, f"{file}: properties.units_in_meter")
         if units <= 0.0:
             raise InputError(
-                f"{path.name}: properties.units_in_meter is {units:g}; give units per metre, such as 100"
+                f"{file}: properties.units_in_meter is {units:g}; give units per metre, such as 100"
             )
     absolute = properties.get("curvature_coords", "relative") == "absolute"
     recentre = properties.get("normalize_panel_translation") is True
 
     with about(field="pattern.panels"):
-        raw_panels = _mapping(body.get("panels"), f"{path.name}: 'pattern.panels'", "give at least one panel")
+        raw_panels = _mapping(body.get("panels"), f"{file}: 'pattern.panels'", "give at least one panel")
         if not raw_panels:
-            raise InputError(f"{path.name}: 'pattern.panels' is empty; give at least one panel")
+            raise InputError(f"{file}: 'pattern.panels' is empty; give at least one panel")
     panels: dict[str, Panel] = {}
     numbers: dict[str, Numbers] = {}
     for name, raw in raw_panels.items():
         with about(field=f"pattern.panels.{name}"):
             panels[name], numbers[name], mended = _panel(
-                raw, str(name), f"{path.name}: panel '{name}'", units, absolute, recentre
+                raw, str(name), f"{file}: panel '{name}'", units, absolute, recentre
             )
         notes += [f"Panel '{name}': {note}." for note in mended]
-    _check_sizes(panels, path.name, units)
+    _check_sizes(panels, file, units)
     order = body.get("panel_order")
     if isinstance(order, list) and sorted(map(str, order)) == sorted(panels):
         panels = {name: panels[name] for name in order}
-    stitches = _stitches(body.get("stitches") or [], panels, path.name, numbers)
-    name = path.name.removesuffix(".json").removesuffix("_specification")
+    stitches = _stitches(body.get("stitches") or [], panels, file, numbers)
+    name = file.removesuffix(".json").removesuffix("_specification")
     seams = tuple(
         renumbered(read_seam(text, where), numbers, where)
         for where, text in (
-            (f"{path.name}: pattern.seams.{i}", text) for i, text in enumerate(body.get("seams") or [])
+            (f"{file}: pattern.seams.{i}", text) for i, text in enumerate(body.get("seams") or [])
         )
     )
     pattern = Pattern(

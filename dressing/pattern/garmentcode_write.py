@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from toile.dressing.files.writers.atomic import write_atomic
 from toile.dressing.pattern.fit_cubics import with_curves
 from toile.dressing.pattern.garmentcode_roles import edge_role, panel_role
 from toile.dressing.pattern.pattern import Arc, Cubic, Edge, Panel, Pattern, Quadratic
@@ -23,8 +24,14 @@ def write_garmentcode(pattern: Pattern, path: str | Path) -> None:
     place; writing that again changes nothing. A panel or an edge without a role comes back with the one that
     its name or label has in GarmentCode; another role of its own is written beside them.)
     """
+    text = json.dumps(garmentcode_document(pattern), indent=1) + "\n"
+    write_atomic(Path(path), text.encode())
+
+
+def garmentcode_document(pattern: Pattern) -> dict[str, Any]:
+    """Return what `write_garmentcode` writes, as a dictionary that a garment may be made from."""
     pattern = with_curves(split_seams(pattern))
-    document = {
+    return {
         "pattern": {
             "panels": {panel.name: _panel(panel) for panel in pattern.panels},
             "stitches": [
@@ -46,7 +53,6 @@ def write_garmentcode(pattern: Pattern, path: str | Path) -> None:
             "units_in_meter": int(_UNITS),
         },
     }
-    Path(path).write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 def _panel(panel: Panel) -> dict[str, Any]:

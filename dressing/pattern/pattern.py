@@ -62,7 +62,8 @@ class Edge:
     """One side of a panel, from corner `start` to corner `end` (indices into the panel's vertices).
 
     `label` is the file's name for it, under which it can be pinned; `role` says what it lies on, None if that
-    is nothing in particular. `notches` are marks that seams match, as fractions of its length.
+    is nothing in particular. `notches` are marks that seams match, as fractions of its length. `piece` says
+    what it was before it was cut: number of the edge, and where it starts and ends, as fractions of that.
     """
 
     start: int
@@ -71,6 +72,30 @@ class Edge:
     label: str = ""
     role: EdgeRole | None = None
     notches: tuple[float, ...] = ()
+    piece: tuple[int, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A line of a panel along which it is folded at rest.
+
+    Attributes
+    ----------
+    points
+        Its corners in the panel's coordinates [m], from outline to outline: two, if it is straight.
+    degrees
+        By how much the cloth is turned there, -180 to 180: 0 is flat, 180 shut with the right sides facing
+        each other, -180 shut with the wrong sides inside.
+    stiffness
+        Moment per length and turn in radians [N]; None takes that of the panel's fabric bent over 1 mm.
+    line
+        Number of the drawn line of the panel that it follows, in place of points.
+    """
+
+    points: tuple[Point, ...] = ()
+    degrees: float = 180.0
+    stiffness: float | None = None
+    line: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +124,10 @@ class Panel:
     roll_radius
         Radius [m] of the cylinder about a line parallel to the panel's y axis that the panel is rolled around
         at the start, its right side outside and its x = 0 in its plane; None where it starts flat.
+    folds
+        Lines along which it is folded at rest; none crosses another.
+    lines
+        Lines that the file draws inside it [m], which folds may follow; by themselves they do nothing.
     """
 
     name: str
@@ -110,6 +139,8 @@ class Panel:
     role: PanelRole | None = None
     warp_degrees: float = 0.0
     roll_radius: float | None = None
+    folds: tuple[Fold, ...] = ()
+    lines: tuple[tuple[Point, ...], ...] = ()
 
 
 @dataclass(frozen=True)

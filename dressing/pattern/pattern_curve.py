@@ -6,7 +6,10 @@ import numpy as np
 
 from toile.dressing.pattern.pattern import Arc, Cubic, Curve, Panel, Point, Polyline, Quadratic
 from toile.geometry.arrays import Float
+from toile.geometry.errors import InputError
 
+NO_LENGTH = 1e-150
+"""Below this, the square of a length is no number to divide by [m]."""
 _SPANS = 64
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
@@ -55,10 +58,18 @@ def sagitta(panel: Panel, edge: int, segments: int) -> float:
 
 
 def relative_point(start: Point, end: Point, point: Point) -> Point:
-    """Absolute point to (u, v) of start + u d + v q, d = end - start, q = (-d_y, d_x)."""
+    """Absolute point to (u, v) of start + u d + v q, d = end - start, q = (-d_y, d_x).
+
+    Raises InputError where start and end are one point.
+    """
     dx, dy = end[0] - start[0], end[1] - start[1]
     px, py = point[0] - start[0], point[1] - start[1]
     squared = dx * dx + dy * dy
+    if squared < NO_LENGTH**2:
+        raise InputError(
+            f"a curved edge begins and ends in one point, ({start[0]:.4g}, {start[1]:.4g}) m; split it or "
+            "move one of its ends"
+        )
     return (px * dx + py * dy) / squared, (py * dx - px * dy) / squared
 
 

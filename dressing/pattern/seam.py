@@ -71,6 +71,11 @@ def read_seam(text: str, where: str = "seam") -> Seam:
     return Seam(_side(sides[0], where, forwards=True), _side(sides[1], where, forwards=False))
 
 
+def read_run(text: str, where: str = "run") -> tuple[EdgePart, ...]:
+    """Return the edges of a text such as "front.3 + back.2[0.5:1]". Raises InputError as `read_seam` does."""
+    return _side(text, where, forwards=True)
+
+
 def _side(text: str, where: str, *, forwards: bool) -> tuple[EdgePart, ...]:
     return tuple(_part(part.strip(), where, forwards) for part in text.split("+"))
 

@@ -223,7 +223,7 @@ def _cut_panel(panel: Panel, cuts: Mapping[EdgeKey, list[float]]) -> Panel:
     for index, edge in enumerate(panel.edges):
         at = cuts.get((panel.name, index), [])
         if not at:
-            edges.append(edge)
+            edges.append(replace(edge, piece=(index, 0.0, 1.0)))
             continue
         start, bounds = edge.start, [0.0, *at, 1.0]
         for number, (curve, point) in enumerate(cut_curve(panel, index, at)):
@@ -233,7 +233,8 @@ def _cut_panel(panel: Panel, cuts: Mapping[EdgeKey, list[float]]) -> Panel:
                 end = len(vertices)
                 vertices.append(point)
             notches = tuple((n - low) / (high - low) for n in edge.notches if low + _SAME < n < high - _SAME)
-            edges.append(replace(edge, start=start, end=end, curve=curve, notches=notches))
+            piece = (index, low, high)
+            edges.append(replace(edge, start=start, end=end, curve=curve, notches=notches, piece=piece))
             start = end
     return replace(panel, vertices=tuple(vertices), edges=tuple(edges))
 

@@ -1,11 +1,17 @@
 """Air around garments that follow a body: still, a steady wind, gusts."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
+
+import numpy as np
+import numpy.typing as npt
 
 from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.gusts import Gusts
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, is_whole, shown
 
 DENSITY = 1.2
 """Of air [kg/m^3]."""
@@ -47,30 +53,46 @@ class Air:
     drag: float = 1.0
     lift: float = 1.0
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, velocity: Sequence[SupportsFloat] | npt.NDArray[Any] = (0.0, 0.0, 0.0),
+            gusts: SupportsFloat = 0.0, eddies: SupportsFloat = 2.0, seed: SupportsIndex = 0,
+            drag: SupportsFloat = 1.0, lift: SupportsFloat = 1.0,
+        ) -> None: ...  # fmt: skip
+
     def __post_init__(self) -> None:
         """Check every field."""
-        wind = self.velocity
-        numbers = isinstance(wind, list | tuple) and len(wind) == 3 and all(map(_is_number, wind))
+        wind = self.velocity.tolist() if isinstance(self.velocity, np.ndarray) else self.velocity
+        numbers = isinstance(wind, list | tuple) and len(wind) == 3 and all(map(is_real, wind))
         if not numbers or math.hypot(*wind) > FASTEST:
             raise InputError(
-                f"velocity of air must be three numbers, up to {FASTEST:g} m/s, got {wind!r}",
+                f"velocity of air must be three numbers, up to {FASTEST:g} m/s, got {shown(wind)}",
                 field="velocity",
             )
         object.__setattr__(self, "velocity", tuple(float(part) for part in wind))
-        if not _is_number(self.gusts) or not 0.0 <= self.gusts <= 1.0:
-            raise InputError(f"gusts of air must lie between 0 and 1, got {self.gusts!r}", field="gusts")
-        if not _is_number(self.eddies) or not self.eddies > 0.0:
-            raise InputError(f"eddies of air must be longer than 0 m, got {self.eddies!r}", field="eddies")
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(f"seed of air must be a whole number from 0, got {self.seed!r}", field="seed")
-        if not _is_number(self.drag) or not 0.0 < self.drag <= MOST_DRAG:
+        if not is_real(self.gusts) or not 0.0 <= self.gusts <= 1.0:
+            raise InputError(f"gusts of air must lie between 0 and 1, got {shown(self.gusts)}", field="gusts")
+        if not is_real(self.eddies) or not self.eddies > 0.0:
             raise InputError(
-                f"drag of air must lie between 0 and {MOST_DRAG:g}, got {self.drag!r}", field="drag"
+                f"eddies of air must be longer than 0 m, got {shown(self.eddies)}", field="eddies"
             )
-        if not _is_number(self.lift) or not 0.0 <= self.lift <= self.drag:
+        if not is_whole(self.seed) or self.seed < 0:
             raise InputError(
-                f"lift of air must lie between 0 and its drag {self.drag:g}, got {self.lift!r}", field="lift"
+                f"seed of air must be a whole number from 0, got {shown(self.seed)}", field="seed"
             )
+        if not is_real(self.drag) or not 0.0 < self.drag <= MOST_DRAG:
+            raise InputError(
+                f"drag of air must lie between 0 and {MOST_DRAG:g}, got {shown(self.drag)}", field="drag"
+            )
+        if not is_real(self.lift) or not 0.0 <= self.lift <= self.drag:
+            raise InputError(
+                f"lift of air must lie between 0 and its drag {self.drag:g}, got {shown(self.lift)}",
+                field="lift",
+            )
+        for name in ("gusts", "eddies", "drag", "lift"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+        object.__setattr__(self, "seed", int(self.seed))
 
     def flow(self) -> AirFlow:
         """Return it as the engine takes it."""
@@ -85,7 +107,3 @@ class Air:
 def plate_resistance(speed: float, coefficient: float = 1.0) -> float:
     """Linear resistance [N s/m^3] that equals the drag of a plate of that coefficient at `speed` [m/s]."""
     return 0.5 * DENSITY * coefficient * speed
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,11 +1,5 @@
-"""Checkpoints of a run in its output folder, from which it can be resumed.
+"""Checkpoints of a run in its output folder, from which it can be resumed; removed when it has ended."""
 
-Scene and state are Python pickles, as `multiprocessing` uses them: resume only what you trust. They are
-removed when a run has ended by itself.
-"""
-
-import pickle
-import re
 import shutil
 from dataclasses import dataclass, replace
 from importlib.metadata import version
@@ -15,21 +9,20 @@ from typing import TYPE_CHECKING, Any
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.place import Place
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.run.output.earlier_run import remove_earlier_run
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import AvatarFile
 from toile.dressing.wear.drape_types import DrapeOutcome
 from toile.geometry.errors import InputError
+from toile.remesh.sizing.sizing import SizingOptions
 
 if TYPE_CHECKING:
     from toile.engine.film.plan import FilmState
 
 FOLDER = ".resume"
 SCENE, HUNG, FRAME = "scene", "hung", "frame"
-FRAMES, FILM = "frames", "dressed.usdc"
-"""Names in the output folder of the frames of a film, and of the file that holds them all."""
-FRAME_FILE = re.compile(r".+\.\d{4,}\.ply")
-"""Names of the files of frames."""
+"""Names of the files of scene, garments that hang, and last frame."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +43,8 @@ class Hung:
         As they hang, in the room.
     report
         Its figures.
+    sizing
+        How its mesh adapts, or None.
     """
 
     avatar: Avatar
@@ -58,6 +53,7 @@ class Hung:
     drape: DrapeOutcome
     garments: tuple[DressedGarment, ...]
     report: dict[str, Any]
+    sizing: SizingOptions | None
 
 
 class Checkpoint:
@@ -68,9 +64,9 @@ class Checkpoint:
         self.folder = output / FOLDER
 
     def begin(self, scene: ResolvedScene) -> None:
-        """Forget an earlier run, with its film, and note the scene."""
+        """Forget an earlier run with all that it wrote, and note the scene."""
+        remove_earlier_run(self.output, self._garments())
         self.end()
-        self._remove_film()
         writable_folder(self.folder)
         self._write(SCENE, _with_whole_paths(scene))
 
@@ -87,16 +83,13 @@ class Checkpoint:
         if self.folder.is_dir():
             shutil.rmtree(self.folder)
 
-    def _remove_film(self) -> None:
-        """Remove the frames of an earlier run, of which there may be more, and nothing else."""
-        frames = self.output / FRAMES
-        if frames.is_dir():
-            for path in list(frames.iterdir()):
-                if FRAME_FILE.fullmatch(path.name):
-                    path.unlink()
-            if not any(frames.iterdir()):
-                frames.rmdir()
-        (self.output / FILM).unlink(missing_ok=True)
+    def _garments(self) -> tuple[str, ...]:
+        """Return the names of the garments of a run that did not end."""
+        try:
+            scene = self._read(SCENE)
+        except InputError:
+            return ()
+        return tuple(garment.name for garment in scene.garments) if isinstance(scene, ResolvedScene) else ()
 
     def load(self) -> "tuple[ResolvedScene, Hung | None, FilmState | None]":
         """Return what was noted last. Raises InputError if there is nothing to resume."""
@@ -115,23 +108,26 @@ class Checkpoint:
         )
 
     def _write(self, name: str, content: object) -> None:
-        write_atomic(self.folder / name, pickle.dumps((version("toile"), content), protocol=5))
+        from toile.dressing.run.output.state_file import state_bytes
+
+        write_atomic(self.folder / f"{name}.npz", state_bytes((version("toile"), content)))
 
     def _read(self, name: str) -> object:
-        path = self.folder / name
+        from toile.dressing.run.output.state_file import read_state
+
+        path = self.folder / f"{name}.npz"
         if not path.is_file():
             return None
-        try:
-            wrote, content = pickle.loads(path.read_bytes())
-        except Exception as error:  # whatever a damaged pickle may raise
-            raise InputError(
-                f"{path}: is damaged ({type(error).__name__}); start the run again", file=path
-            ) from None
+        state = read_state(path)
+        if not isinstance(state, tuple) or len(state) != 2:
+            raise InputError(f"{path}: is damaged; start the run again", file=path)
+        wrote, content = state
         if wrote != version("toile"):
             raise InputError(
                 f"{path}: toile {wrote} wrote it, this is {version('toile')}; start the run again", file=path
             )
-        return content
+        found: object = content
+        return found
 
 
 def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:

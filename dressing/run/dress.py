@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING
 
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import ply_bytes
+from toile.dressing.fit.fit_words import CHECKED
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
 from toile.dressing.run.listener import Listener, Say
+from toile.dressing.run.output.one_run import one_run
+from toile.dressing.run.output.result_view import save_view
 from toile.dressing.run.progress import Progress
 from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, file_stem, save_report, save_shapes
-from toile.dressing.run.scene import CHECKED, OFF, Scene
+from toile.dressing.run.scene import OFF, Scene
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import now, together
 
@@ -41,10 +44,11 @@ def dress(
     scene
         What to drape.
     output
-        Folder for dressed.glb, preview.png, report.json and a PLY, an OBJ and the scene's `formats` per
-        garment; None writes nothing.
+        Folder for dressed.glb, preview.png, view.html, report.json and a PLY, an OBJ and the scene's
+        `formats` per garment; None writes nothing.
     progress
-        Called after every frame; returning False cancels, and what is draped so far is the result.
+        Called after every frame; returning False cancels, and what is draped so far is the result. So does a
+        first Ctrl-C, or the stop of a notebook; a second one raises KeyboardInterrupt.
     say
         Called with one sentence for everything that was recognised or repaired, and before compiling.
     record
@@ -60,8 +64,11 @@ def dress(
     InputError
         If the scene is at fault: which file, field or faces, and what to do.
     """
+    resolved = resolve(scene)
     folder = None if output is None else writable_folder(output)
-    return _from_the_start(resolve(scene), folder, Listener(progress, say, record))
+    listener = Listener(progress, say, record)
+    with one_run(folder), listener.heeding_interrupts():
+        return _from_the_start(resolved, folder, listener)
 
 
 def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
@@ -70,12 +77,20 @@ def resume(output: str | Path, progress: Progress | None = None, say: Say | None
     Parameters and result are those of `dress`. Raises InputError if the folder holds no interrupted run.
     """
     folder = Path(output)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no run to resume; there is no such folder", file=folder)
     listener = Listener(progress, say)
+    with one_run(writable_folder(folder)), listener.heeding_interrupts():
+        return _resumed(folder, listener)
+
+
+def _resumed(folder: Path, listener: Listener) -> Result:
+    """Return the result of the run of a folder, resumed."""
     checkpoint = Checkpoint(folder)
     scene, hung, state = checkpoint.load()
     if hung is None:
         listener.say("the garments were not draped yet: starting from the beginning")
-        return _from_the_start(scene, writable_folder(folder), listener)
+        return _from_the_start(scene, folder, listener)
     load_scene_kernels(scene, True, listener)
     last, motion = 0 if state is None else len(state.record.crossings) - 1, hung.body.motion
     listener.say(f"resuming after {f'frame {last}' if motion is None else motion.name(last)}")
@@ -110,6 +125,7 @@ def _to_the_end(
     if checkpoint is not None:
         save_shapes(checkpoint.output, result.avatar, result.garments, scene.formats)
         save_report(checkpoint.output, result.report)
+        save_view(checkpoint.output, result)
         if scene.fit != OFF:
             _write_fit(scene, hung, last, result, checkpoint.output, listener)
         if scene.certificate:
@@ -148,7 +164,7 @@ def _followed(
     elif followed.cancelled:
         status = "cancelled"
     report = with_animation(
-        hung.report, status, followed.failure, followed.figures, stages,
+        hung.report, status, followed.failure, followed.figures, followed.end, stages,
         now().less(started),
     )  # fmt: skip
     result = Result(

@@ -13,18 +13,22 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
-from toile.dressing.run.checkpoint import FILM, FRAMES, Checkpoint, Hung
+from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.listener import Listener
+from toile.dressing.run.output.earlier_run import FILM, FRAMES
+from toile.dressing.run.output.garment_figures import strain_figures, strain_percent
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment, file_stem
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
-from toile.dressing.wear.watch import strained_places
+from toile.dressing.wear.watch import TOP, garment_areas, is_off, strained_places
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.film.begin_holds import at_start
 from toile.engine.film.integrators.tr_bdf2 import tr_bdf2
 from toile.engine.film.plan import (
+    LONGEST_STEP,
     PUSHED_NEWTON,
     PUSHED_RISE,
     PUSHED_TOLERANCE,
@@ -39,16 +43,16 @@ from toile.geometry.stage_clock import Spent, StageClock
 BODY_NAME = "body"
 TIGHT = 0.4
 """Stretch that no fabric bears: where a film reaches it, its place is told."""
-LONGEST_STEP = 1.0 / 60.0
-"""Time steps at most [s], of two stages each."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Followed:
     """Outcome of a motion: garments and avatar at its end, why it ended early, figures, times.
 
-    `count` is the number of the film's frames: none where its lead-in failed. `last` is the state at its end,
-    in the body's frame.
+    `end` are the figures of the garments at its end, by keys of the report.
+
+    `count` is the number of the film's frames: none where its lead-in failed. `last` is the
+    state at its end, in the body's frame.
     """
 
     garments: tuple[DressedGarment, ...]
@@ -56,6 +60,7 @@ class Followed:
     failure: Failure | None
     cancelled: bool
     figures: dict[str, Any]
+    end: dict[str, Any]
     stages: dict[str, Spent]
     count: int
     last: FilmState
@@ -125,13 +130,14 @@ def follow(
                 frame=frame.index, faces=len(frame.cloth.faces), contacts=frame.contacts, residual=math.nan,
                 seconds=time.perf_counter() - started, max_frames=last,
                 doing="leading in" if frame.index < motion.lead else "",
+                phase="leading in" if frame.index < motion.lead else "film",
             )
         )  # fmt: skip
 
     body = (hung.body.vertices, hung.body.faces)
     film = Simulation(
-        hung.drape.cloth, body, _plan(scene, hung, motion.fps), on_film_frame, motion, clock,
-        hung.drape.pin_motion,
+        at_start(hung.drape.cloth, motion), body, _plan(scene, hung, motion.fps), on_film_frame, motion,
+        clock, hung.drape.pin_motion,
     )  # fmt: skip
     done = 0
     if state is not None:
@@ -141,10 +147,12 @@ def follow(
     made = film.run((last - done) / motion.fps)
     if max(made.stretch_max) > TIGHT:
         listener.say(_tight_sentence(made, shown, motion))
+    for name in shown.fallen():
+        listener.say(f"garment {name} has come off the body by the end: it is too wide for what holds it")
     return Followed(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
-        figures=_figures(made, motion),
+        figures=_figures(made, motion), end=_end_figures(made, film, shown, hung),
         stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0), last=film.state(),
     )  # fmt: skip
 
@@ -169,6 +177,7 @@ class _Shown:
         self.skin = hung.avatar.vertices
         self.crossing = ""
         self.tightest = (0.0, 0, "")
+        self._tops = [float(np.quantile(garment.positions[:, 1], TOP)) for garment in hung.garments]
         self._avatar = hung.avatar
         self._place = hung.place
         self._frames = frames
@@ -193,6 +202,14 @@ class _Shown:
         self.garments = self._as_of(state.cloth)
         if state.avatar is not None:
             self.skin = self._place.outward(state.avatar)
+
+    def fallen(self) -> list[str]:
+        """Return the names of garments that have come down and off the body since it began to move."""
+        return [
+            garment.name
+            for garment, top in zip(self.garments, self._tops, strict=True)
+            if is_off(garment.positions, top, self.skin)
+        ]
 
     def _as_of(self, cloth: Cloth) -> tuple[DressedGarment, ...]:
         """Return the garments in the shape of a cloth."""
@@ -231,7 +248,7 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     return FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
-        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=scene.sizing,
+        newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=hung.sizing,
     )  # fmt: skip
 
 
@@ -245,6 +262,38 @@ def _failure(made: FilmRecord, crossing: str, motion: VertexMotion) -> Failure |
         # The place is known of frames of this run; a film resumed after a crossing knows the frame only.
         return Failure(kind="crossing", message="triangles cross", where=crossing or motion.name(frame))
     return None
+
+
+def _end_figures(made: FilmRecord, film: Simulation, shown: "_Shown", hung: Hung) -> dict[str, Any]:
+    """Return how the garments are at the end of a film, by keys of the report."""
+    before, garments = hung.report, shown.garments
+    places = strained_places(film.cloth, garments, hung.place)
+    worst = max(before["intersections"]["worst_frame"], *map(sum, made.crossings))
+    gap = made.min_gap[-1]
+    counts = {
+        "nodes": sum(len(garment.positions) for garment in garments),
+        "faces": sum(len(garment.faces) for garment in garments),
+    }
+    return {
+        **{
+            key: before[key] | {"final": count, "max": max(before[key]["max"], count)}
+            for key, count in counts.items()
+        },
+        "intersections": {
+            "avatar": made.crossings[-1][0], "self": made.crossings[-1][1], "worst_frame": worst,
+        },
+        "min_gap_mm": 1e3 * gap if math.isfinite(gap) else None,
+        "strain_percent": strain_percent(garments) | {"over_50": [vars(place) for place in places]},
+        "garments": [
+            facts
+            | {"nodes": len(garment.positions), "faces": len(garment.faces)}
+            | {"area_m2": area}
+            | strain_figures(garment)
+            for facts, garment, area in zip(
+                before["garments"], garments, garment_areas(film.cloth, len(garments)), strict=True
+            )
+        ],
+    }  # fmt: skip
 
 
 def _figures(made: FilmRecord, motion: VertexMotion) -> dict[str, Any]:

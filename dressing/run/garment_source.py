@@ -7,17 +7,18 @@ from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.readers import garment_formats
 from toile.dressing.pattern.drafts import built_in_names
+from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.run.scene import Garment
 from toile.geometry.errors import InputError, about
 
-GarmentSource = str | Path | GarmentMesh
-"""The name of a built-in pattern, a file, or a mesh."""
+GarmentSource = str | Path | GarmentMesh | Pattern
+"""The name of a built-in pattern, a file, a mesh, or a pattern."""
 
 
 def checked_source(garment: Garment) -> GarmentSource:
     """Return what a garment is made from, unread. Raises InputError if that does not exist."""
     source = garment.source
-    if isinstance(source, GarmentMesh):
+    if isinstance(source, GarmentMesh | Pattern):
         return source
     if name := built_in_name(source):
         return name
@@ -42,8 +43,10 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path}: the file is empty; export the garment again")
 
 
-def built_in_name(source: str | Path | GarmentMesh) -> str | None:
+def built_in_name(source: str | Path | GarmentMesh | Pattern) -> str | None:
     """Return the name of the built-in pattern that a source means, as in "T-shirt"; None if it means none."""
+    if not isinstance(source, str | Path):
+        return None
     plain = "".join(letter for letter in str(source).lower() if letter not in "-_ ")
     return next((name for name in built_in_names() if name.replace("_", "") == plain), None)
 
@@ -52,7 +55,7 @@ def default_name(garment: Garment) -> str:
     """Return the garment's name, or the one its source suggests."""
     if garment.name:
         return garment.name
-    if isinstance(garment.source, GarmentMesh):
+    if isinstance(garment.source, GarmentMesh | Pattern):
         return garment.source.name
     name = built_in_name(garment.source)
     return name or Path(garment.source).name.split(".")[0].removesuffix("_specification")

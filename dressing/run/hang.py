@@ -1,6 +1,7 @@
 """Garments of a scene put on its avatar: read, sewn, hanging, and the report of it."""
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -13,6 +14,7 @@ from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
+from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.sewing_edges import SewingEdges
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.kernels import (
@@ -25,11 +27,14 @@ from toile.dressing.run.kernels import (
 from toile.dressing.run.lead_in import HANGING, led_in
 from toile.dressing.run.listener import Listener
 from toile.dressing.run.load_garment import load_garment, pinned_vertices
+from toile.dressing.run.output.garment_figures import strain_figures
+from toile.dressing.run.output.input_files import input_hashes
 from toile.dressing.run.report import RunSpent, drape_report
 from toile.dressing.run.resolved_scene import ResolvedScene
 from toile.dressing.run.result import DressedGarment
 from toile.dressing.run.scene import AvatarFile, MannequinSize
 from toile.dressing.run.scene_avatar import load_dress_form
+from toile.dressing.wear.coarsest_edges import fitting_sizing
 from toile.dressing.wear.drape_types import DrapedGarment, DrapeOptions, DrapeOutcome
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
@@ -47,8 +52,12 @@ ALL_WORK = 5e6
 
 @dataclass(frozen=True)
 class _Sewing:
-    """The last sewing attempt, and the time of all attempts: reading, and by stages."""
+    """The last sewing attempt, and the time of all attempts: reading, and by stages.
 
+    `form` is the body as cloth meets it.
+    """
+
+    form: DressForm
     cloth: list[tuple[GarmentMesh, Fabric]]
     options: DrapeOptions
     outcome: DrapeOutcome
@@ -64,7 +73,8 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     """
     started = now()
     avatar, form = load_dress_form(scene.avatar, scene.measurements)
-    avatar, form, led = _led_in(scene, avatar, form)
+    own = form
+    avatar, form, led = _led_in(scene, avatar, own)
     for note in (*avatar.notes, *form.notes, *led):
         listener.say(f"{avatar.name}: {note}")
     for note in _doubts(scene, form):
@@ -73,7 +83,12 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     _say_jump(avatar, listener)
     reading = now().less(started).less(loading)
     sewing = _sew(scene, form, checkpoint, listener)
-    outcome = sewing.outcome
+    moved = form
+    if avatar.motion is None and form.avatar.motion is not None:
+        sewing, moved = _closed(sewing, own, listener, scene.tolerance), own
+    outcome, form = sewing.outcome, sewing.form
+    if form.avatar is not moved.avatar:
+        avatar = replace(avatar, vertices=form.place.outward(form.avatar.vertices))
     for note in outcome.notes:
         listener.say(note)
     for place in outcome.figures.strained:
@@ -93,17 +108,41 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
             _garment_facts(garment, mesh) for garment, (mesh, _) in zip(garments, sewing.cloth, strict=False)
         ],
         spent=RunSpent(total=now().less(started), io=reading.plus(sewing.reading), compile=loading),
+        inputs=input_hashes(scene),
     )
     return Hung(
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
-        garments=garments, report=report,
+        garments=garments, report=report, sizing=sewing.options.sizing,
     )  # fmt: skip
+
+
+def _closed(sewing: _Sewing, own: DressForm, listener: Listener, tolerance: float) -> _Sewing:
+    """Return garments that hang on open arms after these have closed, on a body that stands still."""
+    from toile.dressing.wear.close_arms import close_arms
+    from toile.dressing.wear.skins_apart import NOTABLE
+
+    opened = sewing.form
+    if sewing.outcome.status not in ("converged", "frame_limit"):
+        still = copy(opened)
+        still.avatar = replace(opened.avatar, motion=None)
+        return replace(sewing, form=still)
+    hung = replace(sewing.outcome, figures=replace(sewing.outcome.figures, stages=sewing.stages))
+    outcome, form = close_arms(
+        opened, own, sewing.cloth, sewing.options, hung, listener.on_frame(tolerance)
+    )  # fmt: skip
+    depth = float(np.linalg.norm(form.avatar.vertices - own.avatar.vertices, axis=1).max())
+    if outcome.failure is None and depth > NOTABLE:
+        listener.say(
+            f"{own.avatar.name}: where its skins meet they give way by up to {1e3 * depth:.0f} mm, so that "
+            "cloth has room between them"
+        )
+    return replace(sewing, form=form, outcome=outcome, stages=dict(outcome.figures.stages))
 
 
 def _is_sewn(scene: ResolvedScene) -> bool:
     """Whether a garment of the scene is sewn of panels."""
     return any(
-        isinstance(garment.source, str)
+        isinstance(garment.source, str | Pattern)
         or (isinstance(garment.source, Path) and garment.source.suffix.lower() in PATTERNS)
         for garment in scene.garments
     )
@@ -168,15 +207,17 @@ def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) ->
 def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, listener: Listener) -> _Sewing:
     """Read and drape the garments, in other triangles where seams jam."""
     from toile.dressing.wear.put_on import drape
+    from toile.dressing.wear.skins_apart import skins_apart
 
     reading = Spent()
     stages: dict[str, Spent] = {}
     work = last_work = 0
     meshes: list[GarmentMesh] = []
+    worn = form
     for edges in scene.sewing:
         started = now()
         before, meshes = meshes, [load_garment(garment, form, edges) for garment in scene.garments]
-        options = _options(scene, meshes, edges, floor_height(scene.ground, form))
+        options = _options(scene, meshes, edges, form)
         if work >= MOST_RETRIED:
             options = replace(options, persistent=True, most_work=_work_left(meshes, work, last_work))
         reading = reading.plus(now().less(started))
@@ -189,13 +230,16 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         if checkpoint is not None and edges == scene.sewing[0]:
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
-        outcome = drape(form, cloth, options, listener.on_frame(scene.tolerance))
+        worn, said = skins_apart(form, meshes)
+        if said is not None and edges == scene.sewing[0]:
+            listener.say(f"{form.avatar.name}: {said}")
+        outcome = drape(worn, cloth, options, listener.on_frame(scene.tolerance))
         stages = together(stages, outcome.figures.stages)
         work, last_work = work + outcome.work, outcome.work
         if not outcome.gave_up:
             break
         listener.say(f"seams jammed in triangles of {1e3 * edges.length:g} mm; sewing again in others")
-    return _Sewing(cloth, options, outcome, reading, stages)
+    return _Sewing(worn, cloth, options, outcome, reading, stages)
 
 
 def _work_left(meshes: list[GarmentMesh], work: int, last_work: int) -> float:
@@ -229,14 +273,14 @@ def floor_height(ground: bool | float, form: DressForm) -> float | None:
 
 
 def _options(
-    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, floor: float | None
+    scene: ResolvedScene, meshes: list[GarmentMesh], edges: SewingEdges, form: DressForm
 ) -> DrapeOptions:
     """Return how garments are draped that are sewn in these edges."""
     return DrapeOptions(
         edge_length=edges.length,
         max_frames=scene.max_frames,
         tolerance=scene.tolerance,
-        sizing=scene.sizing,
+        sizing=fitting_sizing(scene.sizing, meshes, form.avatar.vertices, form.avatar.faces),
         gravity=scene.gravity,
         friction=scene.friction,
         friction_between=scene.friction_between,
@@ -245,7 +289,7 @@ def _options(
         ),
         self_contact=tuple(garment.self_contact for garment in scene.garments),
         persistent=edges == scene.sewing[-1],
-        ground=floor,
+        ground=floor_height(scene.ground, form),
     )
 
 
@@ -295,4 +339,4 @@ def _garment_facts(garment: DressedGarment, mesh: GarmentMesh) -> dict[str, Any]
         "faces": len(garment.faces),
         "stitches": len(mesh.stitches),
         "minimum_angle_degrees": mesh.minimum_angle,
-    }
+    } | strain_figures(garment)

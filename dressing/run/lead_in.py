@@ -1,15 +1,17 @@
-"""A lead-in for clips in whose first frame garments cannot be sewn: from a pose of rest into the clip."""
+"""A lead-in for bodies on which garments cannot be sewn as they are: from a pose of rest or a made one."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from toile.dressing.body.animated_avatar import is_animated, led_in_avatars
+from toile.dressing.body.animated_avatar import DEFAULT_FPS, led_in_avatars
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
-from toile.dressing.files.gltf.gltf_lead_in import has_skeleton
-from toile.dressing.files.read_surface import GLTF
+from toile.dressing.body.posing.opened_arms import opened_arms
+from toile.dressing.files.leading.standing import eased
 from toile.dressing.run.scene import OFF, AvatarFile
+from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.errors import InputError, about
 
 HANGING = np.radians(65.0)
@@ -30,6 +32,9 @@ def led_in(
 ) -> tuple[Avatar, DressForm, str | None]:
     """Return an avatar that begins in a pose of rest, its form, and why; or the same where none is needed.
 
+    The pose is that of a skeleton at rest, or one with open arms that is made of the first frame. A body that
+    stands still stays as it is; only its form begins with open arms, with a motion that closes them.
+
     Parameters
     ----------
     source
@@ -42,32 +47,56 @@ def led_in(
     Raises
     ------
     InputError
-        If the user asks for a lead-in and there is no skeleton to make one with.
+        If the user asks for a lead-in and there is neither a skeleton nor arms to make one with.
     """
     asked = _asked(source)
-    if source.lead_in == OFF or source.time is not None or not (asked or sewn):
+    if source.lead_in == OFF or not (asked or sewn) or (asked is None and arm_angle(form) <= HANGING):
         return avatar, form, None
-    if asked is None and (avatar.motion is None or arm_angle(form) <= HANGING):
-        return avatar, form, None
-    path = source.path
-    if not (path.suffix.lower() in GLTF and is_animated(path) and has_skeleton(path)):
-        if asked is None:
-            return avatar, form, None
+    best: tuple[Avatar, DressForm] | None = None
+    path, how = source.path, "in its rest pose"
+    if avatar.motion is not None:
+        for rest in led_in_avatars(
+            path, reading=source.reading, fps=source.fps, clip=source.clip, seconds=asked or SECONDS,
+            up=avatar.up_axis,
+        ):  # fmt: skip
+            candidate = rest, DressForm(rest, form.given)
+            if best is None or arm_angle(candidate[1]) < arm_angle(best[1]):
+                best = candidate
+    if best is None or (asked is None and arm_angle(best[1]) > HANGING):
+        best, how = _opened(avatar, form, asked or SECONDS), "with its arms opened"
+    if best is None and asked is not None:
         raise InputError(
-            f"{path}: lead_in needs an animated .glb, .gltf or .vrm with a skeleton; leave it out",
+            f"{path}: lead_in needs a skeleton (glTF or USD), or arms that no other surface "
+            "is part of down to the hands; leave it out",
             file=path, field="lead_in",
         )  # fmt: skip
-    best: tuple[Avatar, DressForm] | None = None
-    for rest in led_in_avatars(
-        path, reading=source.reading, fps=source.fps, clip=source.clip, seconds=asked or SECONDS,
-        up=avatar.up_axis,
-    ):  # fmt: skip
-        candidate = rest, DressForm(rest, form.given)
-        if best is None or arm_angle(candidate[1]) < arm_angle(best[1]):
-            best = candidate
-    if best is None or (asked is None and arm_angle(best[1]) > HANGING):
+    if best is None:
         return avatar, form, None
-    return *best, _sentence(form, best[1], asked)
+    return *best, _sentence(form, best[1], asked, how)
+
+
+def _opened(avatar: Avatar, form: DressForm, seconds: float) -> tuple[Avatar, DressForm] | None:
+    """Return an avatar and its form that begin with open arms; None where its arms are not found or not free.
+
+    An avatar that stands still remains as it is.
+    """
+    own, place = form.avatar, form.place
+    if own.solid is not None:
+        return None
+    fps = DEFAULT_FPS if own.motion is None else own.motion.fps
+    count = max(round(seconds * fps), 1)
+    lead = opened_arms(own.vertices, own.faces, 1.0 - eased(count))
+    if lead is None:
+        return None
+    rest = own.vertices[None] if own.motion is None else own.motion.frames
+    moving = VertexMotion(frames=np.concatenate([lead, rest]), fps=fps, lead=count)
+    opened = form.in_pose(lead[0], moving)
+    if arm_angle(opened) > HANGING:
+        return None
+    if avatar.motion is None:
+        return avatar, opened
+    shown = np.concatenate([place.outward(lead), avatar.motion.frames])
+    return replace(avatar, vertices=place.outward(lead[0]), motion=replace(moving, frames=shown)), opened
 
 
 def _asked(source: AvatarFile) -> float | None:
@@ -89,19 +118,25 @@ def _asked(source: AvatarFile) -> float | None:
     return float(value)
 
 
-def _sentence(clip: DressForm, rest: DressForm, asked: float | None) -> str:
+def _sentence(clip: DressForm, rest: DressForm, asked: float | None, how: str) -> str:
     """Say that a lead-in was made, and why."""
     motion = rest.avatar.motion
     assert motion is not None
     found, there = arm_angle(clip), arm_angle(rest)
+    stands = clip.avatar.motion is None
     if asked is not None:
         why = "as asked"
     elif math.isinf(found):
-        why = "it cannot be measured in its first frame"
+        why = "it cannot be measured" + ("" if stands else " in its first frame")
     else:
-        why = f"its arms hang in its first frame, {np.degrees(found):.0f} degrees below the horizontal"
+        frame = "" if stands else " in its first frame"
+        why = f"its arms hang{frame}, {np.degrees(found):.0f} degrees below the horizontal"
     pose = "" if math.isinf(there) else f" (arms at {np.degrees(there):.0f} degrees)"
+    sewn = f"{why}: garments are sewn {how}{pose}, and"
+    length = f"{motion.lead / motion.fps:.2g} s"
+    if stands:
+        return f"{sewn} the arms close again in {length}; lead_in = off leaves them as they are"
     return (
-        f"{why}: garments are sewn in its rest pose{pose}, and {motion.lead / motion.fps:.2g} s lead from "
-        "there into the clip, not among the frames; lead_in sets their length, or off"
+        f"{sewn} {length} lead from there into the clip, not among the frames; lead_in sets their length, or "
+        "off"
     )

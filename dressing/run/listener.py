@@ -1,7 +1,11 @@
 """Callbacks that follow a run."""
 
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
+from toile.dressing.run.interrupt import CancelOnInterrupt
 from toile.dressing.run.progress import Progress, ProgressState, TimeLeft
 from toile.dressing.run.result import Record
 from toile.dressing.wear.drape_types import FrameState
@@ -25,8 +29,26 @@ class Listener:
         self, progress: Progress | None = None, say: Say | None = None, record: Record | None = None
     ) -> None:
         self._progress = progress
+        self._interrupt: CancelOnInterrupt | None = None
         self.say: Say = say or _nothing
         self.record: Record = record or _nothing
+
+    @contextmanager
+    def heeding_interrupts(self) -> Iterator[None]:
+        """Let a first Ctrl-C, or the stop of a notebook, cancel as `progress` does, unless others do.
+
+        A second one stops at once.
+        """
+        of_python = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        if threading.current_thread() is not threading.main_thread() or not of_python:
+            yield
+            return
+        with CancelOnInterrupt() as self._interrupt:
+            yield
+
+    def _interrupted(self) -> bool:
+        """Whether the user has pressed Ctrl-C."""
+        return self._interrupt is not None and self._interrupt.requested
 
     def on_frame(self, tolerance: float) -> Callable[[FrameState], bool]:
         """Return the engine's callback: estimates the time left and passes the frame on.
@@ -38,7 +60,7 @@ class Listener:
         def on_frame(state: FrameState) -> bool:
             left = clock.update(state)
             if self._progress is None:
-                return True
+                return not self._interrupted()
             answer = self._progress(
                 ProgressState(
                     frame=state.frame,
@@ -50,9 +72,10 @@ class Listener:
                     seconds=state.seconds,
                     seconds_left=left,
                     doing=state.doing,
+                    phase=state.phase,
                 )
             )
-            return answer is not False
+            return answer is not False and not self._interrupted()
 
         return on_frame
 

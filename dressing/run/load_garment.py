@@ -19,6 +19,7 @@ from toile.dressing.garment.unplaced import placed_by_seams
 from toile.dressing.pattern.drafts import built_in
 from toile.dressing.pattern.drawn.place import placed_pattern
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS, DrawnOptions, told_or_sure
+from toile.dressing.pattern.fold_table import with_folds
 from toile.dressing.pattern.garmentcode import check_pattern
 from toile.dressing.pattern.pattern import Pattern
 from toile.dressing.pattern.seam import read_seam
@@ -29,6 +30,8 @@ from toile.dressing.run.resolved_scene import ResolvedGarment
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 
+STILL_FPS = 24.0
+"""Frames per second where there is no film."""
 LARGEST_DISTANCE = 0.5
 """A garment whose box is farther than this from the avatar's cannot be meant for it [m]."""
 SAME_OVERLAP = 0.85
@@ -100,38 +103,43 @@ def turn_warp(mesh: GarmentMesh, angle: float | Mapping[str, float]) -> GarmentM
 
 def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> GarmentMesh:
     """Return the mesh of a checked source."""
-    source = garment.source
+    from toile.dressing.garment.fields.mesh_parts import mesh_with_parts, parts_on_mesh
+
+    source, parts, fps = garment.source, garment.parts, _fps(form)
     if isinstance(source, GarmentMesh):
+        _check_foldable(garment)
         _check_pattern_coordinates(source)
-        return moved_in(source, form.place)
+        return parts_on_mesh(moved_in(source, form.place), parts, fps)
     if isinstance(source, Path) and source.suffix.lower() in MESH_FORMATS:
         from toile.dressing.garment.mesh_garment import read_mesh_garment
 
-        return read_mesh_garment(
+        _check_foldable(garment)
+        read = read_mesh_garment(
             source, units=garment.units, up=garment.up, avatar=form.avatar, place=form.place,
-            edge_length=edges.length, walls=garment.walls,
+            edge_length=edges.length, walls=garment.walls, attributes=parts.attributes,
         )  # fmt: skip
-    from toile.dressing.garment.pattern_mesh import mesh_pattern
-
+        return parts_on_mesh(read, parts, fps)
     is_drawn = (
         isinstance(source, Path) and source.suffix.lower() in DRAWN_FORMATS and not is_registered(source)
     )
     if isinstance(source, Path) and is_drawn:
         found: Pattern | GarmentMesh = _drawn_pattern(source, garment, form)
-    elif isinstance(source, Path):
-        found = read_garment(source)
+    elif isinstance(source, Path | Pattern):
+        found = read_garment(source) if isinstance(source, Path) else _checked(source)
         if isinstance(found, Pattern):
             found = on_the_floor(found, form.avatar.vertices)
     else:
         found = built_in(source, form.measurements)
     if isinstance(found, GarmentMesh):
+        _check_foldable(garment)
         _check_pattern_coordinates(found)
-        return moved_in(found, form.place)
+        return parts_on_mesh(moved_in(found, form.place), parts, fps)
     if isinstance(garment.seams, tuple) and not is_drawn:
         found = with_seams(found, garment.seams)
-    if isinstance(source, Path) and not is_drawn:
+    found = with_folds(found, garment.folds)
+    if isinstance(source, Path | Pattern) and not is_drawn:
         if not (form.place.is_own or form.place.turn):
-            mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+            mesh = mesh_with_parts(found, parts, edges, fps)
             if _lies_in_the_room(mesh, form):
                 check_twists(found)
                 return replace(moved_in(mesh, form.place), notes=found.notes)
@@ -140,8 +148,24 @@ def _mesh_of(garment: ResolvedGarment, form: DressForm, edges: SewingEdges) -> G
         if not form.place.is_own:
             note = "The pattern was placed for a body that faces +Z above the origin, and goes with this one."
             found = replace(found, notes=(*found.notes, note))
-    mesh = mesh_pattern(found, edge_length=edges.length, curve_edge_length=edges.curves)
+    mesh = mesh_with_parts(found, parts, edges, fps)
     return replace(mesh, notes=found.notes)
+
+
+def _check_foldable(garment: ResolvedGarment) -> None:
+    """Raise InputError if a mesh is to be folded."""
+    if garment.folds:
+        raise InputError(
+            f"garment '{garment.name}': folds are lines of a pattern's panels, and a mesh has none; "
+            "leave them out",
+            field="folds",
+        )
+
+
+def _fps(form: DressForm) -> float:
+    """Frames per second of the film."""
+    motion = form.avatar.motion
+    return STILL_FPS if motion is None else motion.fps
 
 
 def _lies_in_the_room(mesh: GarmentMesh, form: DressForm) -> bool:
@@ -158,6 +182,12 @@ def _overlap(mesh: GarmentMesh, avatar: Avatar) -> float:
     low = np.maximum(mesh.positions.min(axis=0), avatar.vertices.min(axis=0))
     high = np.minimum(mesh.positions.max(axis=0), avatar.vertices.max(axis=0))
     return float(np.maximum(high - low, 0.0).prod())
+
+
+def _checked(pattern: Pattern) -> Pattern:
+    """Return a pattern that was made in memory. Raises InputError if it cannot be sewn."""
+    check_pattern(pattern)
+    return pattern
 
 
 def _drawn_pattern(source: Path, garment: ResolvedGarment, form: DressForm) -> Pattern:

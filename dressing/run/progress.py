@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TextIO
 
-from toile.dressing.wear.drape_types import FrameState
+from toile.dressing.wear.drape_types import FrameState, Phase
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +27,9 @@ class ProgressState:
         Estimated wall time to the end [s], None while there is nothing to go by.
     doing
         What is being done, and how far it is, in words.
+    phase
+        What the frame belongs to: "sewing", "growing" or "settling" of a drape; "leading in" or "film" where
+        garments then follow their body. Frames count from 0 in the drape, and again in the motion.
     """
 
     frame: int
@@ -38,6 +41,7 @@ class ProgressState:
     seconds: float
     seconds_left: float | None
     doing: str = ""
+    phase: Phase = "settling"
 
 
 Progress = Callable[[ProgressState], bool | None]
@@ -126,7 +130,8 @@ def progress_text(state: ProgressState) -> str:
     known = math.isfinite(state.residual)
     # Before it settles the way to equilibrium is not measured yet: what it waits for is.
     waits = f"residual {state.residual:.2g} (goal {state.tolerance:.2g})" if known else state.doing
-    where = f"frame {state.frame}/{state.max_frames}  faces {state.faces}  contacts {state.contacts}"
+    film = " of the film" if state.phase == "film" else ""
+    where = f"frame {state.frame}/{state.max_frames}{film}  faces {state.faces}  contacts {state.contacts}"
     return f"{where}  {waits}{left}"
 
 

@@ -3,7 +3,7 @@
 import json
 import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -13,6 +13,8 @@ from toile.geometry.stage_clock import Spent, together
 
 STAGES = ("assembly", "solve", "contact", "avatar", "remesh", "audit", "io", "compile")
 """What time is booked under; what is not is `other`, so that the stages add up to the whole run."""
+SCHEMA = 1
+"""Of reports, see `output/report.schema.json`: raised when a key goes, or changes its meaning."""
 OTHER = "other"
 
 
@@ -35,10 +37,12 @@ def drape_report(
     avatar: dict[str, Any],
     garments: list[dict[str, Any]],
     spent: RunSpent,
+    inputs: Sequence[Mapping[str, str]] = (),
 ) -> dict[str, Any]:
     """Return the report as plain data, numbers that are not finite replaced by None."""
     stages = together(figures.stages, {"io": spent.io, "compile": spent.compile})
     report = {
+        "schema": SCHEMA,
         "status": status,
         "failure": None if failure is None else _failure_facts(failure),
         "quality": quality,
@@ -73,6 +77,7 @@ def drape_report(
             "energy_jump_max": figures.energy_jump_max,
             "pop_mm": 1e3 * figures.pop,
         },
+        "inputs": [dict(entry) for entry in inputs],
         "avatar": avatar,
         "garments": [
             facts | {"area_m2": area, "cut_area_m2": cut}
@@ -87,21 +92,28 @@ def drape_report(
 
 def with_animation(
     report: dict[str, Any], status: Status, failure: Failure | None, figures: dict[str, Any],
-    stages: Mapping[str, Spent], total: Spent,
+    end: dict[str, Any], stages: Mapping[str, Spent], total: Spent,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the report of a drape whose garments then followed their avatar, with the figures of that."""
+    """Return the report of a drape whose garments then followed their avatar.
+
+    `figures` are those of the film, `end` says how the garments are at its end: with keys of the report,
+    whose values so far, those of the drape, come under `drape`.
+    """
     before = {
         stage: Spent(cpu, report["stage_wall_seconds"][stage])
         for stage, cpu in report["stage_cpu_seconds"].items()
         if stage != OTHER
     }
     whole = Spent(report["cpu_seconds"], report["wall_seconds"]).plus(total)
+    drape = {"status": report["status"]} | {key: report[key] for key in end}
     plain: dict[str, Any] = _plain(
         report
+        | end
         | {
             "status": status,
             "failure": _failure_facts(failure) if failure is not None else report["failure"],
             "animation": figures,
+            "drape": drape,
         }
         | _times(whole, together(before, stages))
     )

@@ -9,6 +9,8 @@ from toile.dressing.body.given_measurements import NAMES, Given
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
+from toile.dressing.garment.fields.field import Parts
+from toile.dressing.pattern.pattern import Fold
 from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
 from toile.dressing.run.garment_source import GarmentSource, checked_source, default_name
 from toile.dressing.run.quality import Quality, quality_preset
@@ -41,6 +43,10 @@ class ResolvedGarment:
         A seams file, seams as texts, or None.
     panel_fabrics
         Fabric of panels that are of another, checked, by their names.
+    folds
+        Folds of panels, by their names.
+    parts
+        Fields, elastic, holds and gas.
     """
 
     name: str
@@ -56,6 +62,8 @@ class ResolvedGarment:
     allowance: float | None = None
     seams: Path | tuple[str, ...] | None = None
     panel_fabrics: Mapping[str, Fabric] = field(default_factory=dict)
+    folds: Mapping[str, Sequence[Fold]] = field(default_factory=dict)
+    parts: Parts = field(default_factory=Parts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +150,7 @@ def resolve(scene: Scene) -> ResolvedScene:
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
                 size=garment.size, allowance=garment.allowance, seams=_seams(garment),
-                panel_fabrics=panels,
+                panel_fabrics=panels, folds=garment.folds, parts=garment.parts,
             )
             for garment, name, source, fabric, panels in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, panel_cloth, strict=True
@@ -172,7 +180,7 @@ def resolve(scene: Scene) -> ResolvedScene:
 def _seams(garment: Garment) -> Path | tuple[str, ...] | None:
     """Return a garment's seams file or seams. Raises InputError if a length or a text is none."""
     allowance = garment.allowance
-    if allowance is not None and not (isinstance(allowance, int | float) and 0.0 <= allowance < 0.2):
+    if allowance is not None and not 0.0 <= allowance < 0.2:
         raise InputError(
             f"allowance must lie between 0 and 0.2 m, got {allowance!r}", field="allowance",
             garment=default_name(garment),
@@ -227,10 +235,7 @@ def _avatar_source(avatar: object) -> AvatarSource:
     """Return where the avatar comes from, by default the built-in mannequin of its own size."""
     if avatar is None:
         return MannequinSize()
-    if not isinstance(avatar, Avatar | AvatarFile | MannequinSize):
-        raise InputError(
-            f"avatar must be an Avatar, a file or a mannequin size, got {avatar!r}", field="avatar"
-        )
+    assert isinstance(avatar, Avatar | AvatarFile | MannequinSize), "Scene has checked it"
     return avatar
 
 

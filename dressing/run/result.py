@@ -17,7 +17,9 @@ from toile.dressing.files.writers.glb import GlbMesh, glb_bytes
 from toile.dressing.files.writers.obj import obj_bytes
 from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.files.writers.png import png_bytes
+from toile.dressing.run.output.result_view import result_page, save_view
 from toile.dressing.run.report import report_bytes
+from toile.dressing.view.view_page import framed
 from toile.dressing.wear.drape_types import DrapedGarment, Failure, Status
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import Float, Int
@@ -99,7 +101,11 @@ class Result:
         """Write all output files into a folder, garments in a scene's `formats` too; return their paths."""
         folder = writable_folder(folder)
         shapes = save_shapes(folder, self.avatar, self.garments, checked_formats(formats))
-        return [*shapes, save_report(folder, self.report)]
+        return [*shapes, save_report(folder, self.report), save_view(folder, self)]
+
+    def _repr_html_(self) -> str:
+        """Return a view to turn, as notebooks show it."""
+        return framed(result_page(self))
 
 
 Record = Callable[[int, tuple[DressedGarment, ...]], None]

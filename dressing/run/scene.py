@@ -1,29 +1,41 @@
 """A scene as the user asks for it: avatar, garments, fabrics, quality."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
+
+import numpy.typing as npt
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
-from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.writers.field_mesh import checked_formats
+from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
+from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
+from toile.dressing.garment.given_values import (
+    check_fabric,
+    check_fabrics,
+    checked_text,
+    given_friction,
+    given_garment,
+    given_names,
+    given_path,
+    given_pins,
+    given_real,
+    given_warp,
+)
+from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
 
-OFF = "off"
-"""The `lead_in` of an avatar that has none."""
-CHECKED = "checked"
-FIT_WORDS = (OFF, "maps", CHECKED)
-"""What a scene may say of fit."""
+OFF = "off"  # the `lead_in` of an avatar that has none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +59,9 @@ class AvatarFile:
     clip
         Name of the animation of a glTF file; None takes the first.
     lead_in
-        Length of a motion [s] that leads from the rest pose of its skeleton, in which garments are sewn, into
-        a glTF clip; "off" makes none; None makes one of 1 s where sleeves could not be sewn without.
+        Length of a motion [s] that leads from the rest pose of its skeleton, or from open arms, in which
+        garments are sewn, into its clip; "off" makes none; None makes one of 1 s where sleeves could not be
+        sewn without, and opens and closes the arms of a body that stands.
     """
 
     path: Path
@@ -62,14 +75,24 @@ class AvatarFile:
     clip: str | None = None
     lead_in: float | str | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, path: str | Path, units: str | None = None, up: str | None = None,
+            front: str | None = None, only: str | Sequence[str] = (), without: str | Sequence[str] = (),
+            fps: SupportsFloat | None = None, time: SupportsFloat | None = None, clip: str | None = None,
+            lead_in: SupportsFloat | str | None = None,
+        ) -> None: ...  # fmt: skip
+
     def __post_init__(self) -> None:
-        """Accept a path that is a string, and one name for a list of names."""
-        object.__setattr__(self, "path", Path(self.path))
-        for field_name in ("only", "without"):
-            names: object = getattr(self, field_name)
-            object.__setattr__(
-                self, field_name, (names,) if isinstance(names, str) else tuple(getattr(self, field_name))
-            )
+        """Accept convenient spellings. Raises InputError naming a field of a wrong type."""
+        _set(self, path=given_path(self.path, "path"))
+        for name in ("only", "without"):
+            _set(self, **{name: given_names(getattr(self, name), name)})
+        for name in ("units", "up", "front", "clip"):
+            checked_text(getattr(self, name), name)
+        for name in ("fps", "time", "lead_in"):
+            _set(self, **{name: given_real(getattr(self, name), name, words=name == "lead_in")})
 
     @property
     def reading(self) -> Reading:
@@ -87,6 +110,18 @@ class MannequinSize:
     chest: float | None = None
     waist: float | None = None
     hip: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, height: SupportsFloat | None = None, chest: SupportsFloat | None = None,
+            waist: SupportsFloat | None = None, hip: SupportsFloat | None = None,
+        ) -> None: ...  # fmt: skip
+
+    def __post_init__(self) -> None:
+        """Raise InputError naming a size that is no number."""
+        for name, value in vars(self).items():
+            _set(self, **{name: given_real(value, name)})
 
     def given(self) -> dict[str, float]:
         """Return only the sizes that are set."""
@@ -107,7 +142,8 @@ class Garment:
         Name of a built-in pattern ("tshirt", "circle_skirt", "trousers") or of a registered draft, path of a
         GarmentCode specification (.json), of a DXF-AAMA or ASTM (.dxf) or a FreeSewing pattern (.svg), of a
         3-D mesh (.obj, .ply, .glb, .vtu, .vtk, .xdmf, .inp, .msh, or
-        .npz as `read_npz_garment` says) or of a file with a registered reader, or a finished GarmentMesh.
+        .npz as `read_npz_garment` says) or of a file with a registered reader; a Pattern, or a GarmentCode
+        specification as a dictionary; or a finished GarmentMesh.
     fabric
         Preset name or Fabric; None takes the scene's.
     name
@@ -116,12 +152,15 @@ class Garment:
         False leaves out contact of cloth with cloth. It only takes effect when all garments of the scene
         opt out: garments are searched together.
     pins
-        Edge labels (such as "lower_interface") and numbers of material vertices held in place.
+        Edge labels (such as "lower_interface") and numbers of material vertices held in place: where the
+        garment starts, or, of panels to be sewn, where the closed seams and the body have put them.
     warp_angle
         Turn of the warp direction in the pattern plane, counter-clockwise seen from the right side
         [degrees]: one number for all panels, or panel name to number.
     panel_fabrics
         Preset name or Fabric of panels that are of another than the garment, by their names.
+    folds
+        Lines along which panels are folded at rest, by panel: fold lines and pleats of a pattern.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
         `units` may also be those of a DXF pattern that does not say them.
@@ -132,9 +171,17 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
+    fields
+        Values on parts of it that differ from its fabric's: Field.
+    elastic
+        Elastic along edges: Elastic.
+    holds
+        Where a film holds it, and when: Hold.
+    gas
+        Gas in it, if it is closed: Filling.
     """
 
-    source: str | Path | GarmentMesh
+    source: str | Path | GarmentMesh | Pattern
     _: KW_ONLY
     fabric: str | Fabric | None = None
     name: str | None = None
@@ -148,11 +195,57 @@ class Garment:
     allowance: float | None = None
     seams: str | Path | Sequence[str] | None = None
     panel_fabrics: Mapping[str, str | Fabric] = field(default_factory=dict)
+    folds: Mapping[str, Sequence[Fold]] = field(default_factory=dict)
+    fields: Sequence[Field] = ()
+    elastic: Sequence[Elastic] = ()
+    holds: Sequence[Hold] = ()
+    gas: Filling | None = None
+
+    @property
+    def parts(self) -> Parts:
+        """All that it says of its parts."""
+        return Parts(
+            fields=tuple(self.fields), elastic=tuple(self.elastic), holds=tuple(self.holds), gas=self.gas
+        )
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, source: "GarmentLike", *, fabric: str | Fabric | None = None, name: str | None = None,
+            self_contact: bool = True, pins: str | Sequence[str | SupportsIndex] | npt.NDArray[Any] = (),
+            warp_angle: SupportsFloat | Mapping[str, SupportsFloat] = 0.0, units: str | None = None,
+            up: str | None = None, walls: SupportsIndex = 1, size: str | None = None,
+            allowance: SupportsFloat | None = None, seams: str | Path | Sequence[str] | None = None,
+            panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
+            fields: Sequence[Field] = (),
+            elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
+        ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
-        """Raise InputError if `walls` is not 1 or 2."""
-        if self.walls not in (1, 2):
-            raise InputError(f"walls of a garment are 1 or 2, got {self.walls!r}", field="walls")
+        """Accept convenient spellings. Raises InputError naming a field of a wrong type or value."""
+        _set(self, source=given_garment(self.source))
+        check_fabric(self.fabric, "fabric")
+        for name in ("name", "units", "up", "size"):
+            checked_text(getattr(self, name), name)
+        _set(self, self_contact=truth(self.self_contact, "self_contact"), pins=given_pins(self.pins))
+        _set(self, warp_angle=given_warp(self.warp_angle))
+        _set(self, allowance=given_real(self.allowance, "allowance"))
+        if self.walls not in (1, 2) or isinstance(self.walls, bool):
+            raise InputError(f"walls of a garment are 1 or 2, got {shown(self.walls)}", field="walls")
+        _set(self, walls=int(self.walls))
+        if self.seams is not None and not isinstance(self.seams, str | Path):
+            _set(self, seams=given_names(self.seams, "seams"))
+        if not isinstance(self.panel_fabrics, Mapping):
+            raise InputError(
+                f"panel_fabrics must be fabrics by the names of panels, got {shown(self.panel_fabrics)}",
+                field="panel_fabrics",
+            )
+        for fabric in self.panel_fabrics.values():
+            check_fabric(fabric, "panel_fabrics")
+
+
+GarmentLike = str | Path | GarmentMesh | Pattern | Mapping[str, Any]
+"""What a garment may be made from."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,11 +290,8 @@ class Scene:
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
-    fit
-        "maps" writes how the garments fit: pressure on the body, strain, tension and ease; "checked" drapes
-        them once more on another mesh, which gives error bars; "off" writes nothing of it.
-    certificate
-        Whether to write certificate.json, by which `toile verify` checks the result again.
+    fit, certificate
+        "maps" or "checked" (with error bars) writes how garments fit; True writes certificate.json.
     """
 
     garments: Sequence[Garment]
@@ -222,45 +312,59 @@ class Scene:
     fit: str = "off"
     certificate: bool = False
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, garments: Sequence[Garment | GarmentLike] | Garment | GarmentLike,
+            avatar: AvatarSource | str | Path | None = None,
+            measurements: Measurements | Mapping[str, Any] | str | Path | None = None,
+            fabric: str | Fabric | None = None, fabrics: Mapping[str, Fabric] = ...,
+            quality: str = "standard", edge_length: SupportsFloat | None = None, fit: str = "off",
+            remesh: bool | SizingOptions = True, max_frames: SupportsIndex | None = None,
+            gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None, certificate: bool = False,
+            friction_between: Mapping[tuple[str, str], SupportsFloat] = ..., air: Air | None = None,
+            formats: str | Sequence[str] = (), ground: bool | SupportsFloat = True,
+        ) -> None: ...  # fmt: skip
+
     def __post_init__(self) -> None:
-        """Accept convenient spellings and check numbers. Raises InputError naming the field."""
-        garments: object = self.garments
-        if isinstance(garments, str | Path | Garment | GarmentMesh):
-            garments = (garments,)
-        if not isinstance(garments, list | tuple):
+        """Accept convenient spellings and check everything. Raises InputError naming the field."""
+        _set(self, garments=_garments(self.garments))
+        if isinstance(self.avatar, str | Path):
+            _set(self, avatar=AvatarFile(path=self.avatar))
+        if not isinstance(self.avatar, Avatar | AvatarFile | MannequinSize | None):
             raise InputError(
-                f"garments must be a list of garments, got {type(garments).__name__}", field="garments"
+                f"avatar must be an Avatar, a file or a mannequin size, got {shown(self.avatar)}",
+                field="avatar",
             )
-        object.__setattr__(
-            self, "garments", tuple(g if isinstance(g, Garment) else Garment(g) for g in garments)
-        )
-        avatar: object = self.avatar
-        if isinstance(avatar, str | Path):
-            object.__setattr__(self, "avatar", AvatarFile(path=Path(avatar)))
         if isinstance(self.measurements, str):
-            object.__setattr__(self, "measurements", Path(self.measurements))
-        if not self.garments:
-            raise InputError(
-                "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt",
-                field="garments",
-            )
+            _set(self, measurements=Path(self.measurements))
+        check_fabric(self.fabric, "fabric")
+        check_fabrics(self.fabrics)
+        checked_text(self.quality, "quality")
         quality_preset(self.quality)
-        formats = [self.formats] if isinstance(self.formats, str) else self.formats
-        object.__setattr__(self, "formats", checked_formats(formats))
-        if self.fit not in FIT_WORDS:
-            raise InputError(unknown_name("fit", str(self.fit), FIT_WORDS), field="fit")
-        _check_number("edge_length", self.edge_length, low=0.001, high=1.0, unit="m")
-        _check_number("max_frames", self.max_frames, low=1, high=1_000_000)
-        _check_number("gravity", self.gravity, low=0.0, high=1000.0, unit="m/s^2")
-        if not isinstance(self.ground, bool):
-            _check_number("ground", self.ground, low=-1000.0, high=1000.0, unit="m")
-        _check_number("friction", self.friction, low=0.0, high=10.0)
-        for pair, value in self.friction_between.items():
-            if not isinstance(pair, tuple) or len(pair) != 2:
+        check_fit(self.fit)
+        formats: str | Sequence[str] = self.formats
+        _set(self, formats=checked_formats([formats] if isinstance(formats, str) else formats))
+        for name, low, high, unit in NUMBERS:
+            if getattr(self, name) is not None:
+                _set(self, **{name: real(getattr(self, name), name, low, high, unit)})
+        if self.max_frames is not None:
+            _set(self, max_frames=whole(self.max_frames, "max_frames", 1, 1_000_000))
+        if not isinstance(self.remesh, SizingOptions):
+            if is_real(self.remesh) or isinstance(self.remesh, str):
                 raise InputError(
-                    f"friction_between: a pair is two names, got {pair!r}", field="friction_between"
+                    f"remesh must be True, False or SizingOptions, got {shown(self.remesh)}", field="remesh"
                 )
-            _check_number("friction_between", value, low=0.0, high=10.0, of=" and ".join(map(str, pair)))
+            _set(self, remesh=truth(self.remesh, "remesh"))
+        if is_real(self.ground):
+            _set(self, ground=real(self.ground, "ground", -1000.0, 1000.0, "m"))
+        else:
+            _set(self, ground=truth(self.ground, "ground"))
+        if not isinstance(self.air, Air | None):
+            raise InputError(
+                f"air must be an Air, such as Air(velocity=(0, 0, 5)), got {shown(self.air)}", field="air"
+            )
+        _set(self, friction_between=given_friction(self.friction_between))
 
     def fabric_of(self, garment: Garment) -> str | Fabric:
         """Return what a garment is made of: a fabric, or the name of one that may not exist."""
@@ -269,13 +373,28 @@ class Scene:
         return DEFAULT_FABRIC if self.fabric is None else self.fabric
 
 
-def _check_number(
-    field: str, value: float | None, *, low: float, high: float, unit: str = "", of: str = ""
-) -> None:
-    """Raise InputError unless the value is None or lies in [low, high]; `of` says which of several."""
-    if value is None:
-        return
-    if not isinstance(value, int | float) or not math.isfinite(value) or not low <= value <= high:
-        between = f"{low:g} and {high:g} {unit}".rstrip()
-        what = f"{field} {of}".rstrip()
-        raise InputError(f"{what} must lie between {between}, got {value!r}", field=field)
+NUMBERS = (
+    ("edge_length", 0.001, 1.0, "m"),
+    ("gravity", 0.0, 1000.0, "m/s^2"),
+    ("friction", 0.0, 10.0, ""),
+)
+"""Fields of a scene that are numbers, their limits and units."""
+
+
+def _set(instance: object, **values: object) -> None:
+    """Set fields of a frozen dataclass that is being made."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)
+
+
+def _garments(given: object) -> tuple[Garment, ...]:
+    """Return garments, given as a list or as one. Raises InputError if there is none."""
+    if isinstance(given, str | Path | Garment | GarmentMesh | Pattern | Mapping):
+        given = (given,)
+    if not isinstance(given, list | tuple):
+        raise InputError(f"garments must be a list of garments, got {type(given).__name__}", field="garments")
+    if not given:
+        raise InputError(
+            "the scene has no garment: name a pattern, a mesh or a built-in such as tshirt", field="garments"
+        )
+    return tuple(entry if isinstance(entry, Garment) else Garment(entry) for entry in given)

@@ -6,6 +6,7 @@ from toile.dressing.body.animated_avatar import is_animated, load_animated_avata
 from toile.dressing.body.avatar import Avatar, load_avatar
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.given_measurements import Given, read_measurements
+from toile.dressing.body.in_memory.body_in_memory import sound
 from toile.dressing.run.scene import OFF, AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 
@@ -13,7 +14,8 @@ from toile.geometry.errors import InputError, about
 def load_scene_avatar(source: AvatarSource) -> Avatar:
     """Return the avatar, read or built. Raises InputError naming the file or the size at fault."""
     if isinstance(source, Avatar):
-        return source
+        with about(field="avatar"):
+            return sound(source)
     with about(field="avatar"):
         if isinstance(source, AvatarFile):
             return _read(source)

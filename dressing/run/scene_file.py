@@ -22,15 +22,18 @@ Paths are relative to the scene file.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import MISSING, asdict, fields, replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any
 
 from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
-from toile.dressing.files.toml_lines import LineNumbers, OneLine
-from toile.dressing.garment.fabrics import checked_fabric, fabrics, invalid_field
+from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
+from toile.dressing.garment.fabric_keys import FABRIC_KEYS, SUPPLIERS, supplied_values
+from toile.dressing.garment.fabrics import checked_fabric, fabrics
+from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
+from toile.dressing.pattern.fold_table import folds_of
 from toile.dressing.run.air import Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
@@ -85,7 +88,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "clip": (str, "name of the animation of a .glb or .gltf (default: the first)"),
         "lead_in": (
             (int, float, str),
-            "motion from the rest pose into the clip [s], or off (default: if needed)",
+            "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
@@ -110,6 +113,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "name": (str, "name of the output files"),
         "fabric": (str, "preset or [fabric.NAME]"),
         "panel_fabrics": (dict, 'fabric of panels that are of another: { collar = "denim-12oz" }'),
+        "folds": (dict, "lines that are folded: { front = [{ points = [[x, y], [x, y]], degrees = 180 }] }"),
         "self_contact": (bool, "false, for all garments, leaves out contact of cloth with cloth"),
         "pins": (list, "edge labels and vertex numbers held in place"),
         "warp_angle": ((int, float, dict), "rotation of the warp direction [degrees], or panel = degrees"),
@@ -118,19 +122,11 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "walls": (int, "layers that the two walls of a mesh with thickness are: 1 (default) or 2"),
         "size": (str, "size of a DXF pattern that holds several"),
         "allowance": (NUMBER, "seam allowance [m] of a DXF pattern without a sew line; 0: none is drawn"),
-        "seams": (
-            (str, list),
-            'seams file of a drawn pattern, or seams: ["front.3 + back.2 = sleeve.1", ...]',
-        ),
+        "seams": ((str, list), 'seams file of a drawn pattern, or ["front.3 + back.2 = sleeve.1", ...]'),
+        **GARMENT_KEYS,
     },
-    "fabric": {
-        "like": (str, "preset that supplies every value not set here"),
-        **{
-            entry.name: (NUMBER, f"see toile.Fabric.{entry.name}, SI units")
-            for entry in fields(Fabric)
-            if entry.name != "name"
-        },
-    },
+    **PART_KEYS,
+    "fabric": FABRIC_KEYS,
 }
 """Table name to key to (accepted types, meaning)."""
 PLAIN_KEYS = (
@@ -167,7 +163,7 @@ def scene_keys_help() -> str:
     """Return the table of all keys as text."""
     lines: list[str] = []
     for table, keys in SCENE_KEYS.items():
-        heading = {"": "top level", "garment": "[[garment]]", "fabric": "[fabric.NAME]"}
+        heading = {"": "top level", "fabric": "[fabric.NAME]", **PART_HEADINGS}
         lines.append(heading.get(table, f"[{table}]"))
         lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
@@ -248,12 +244,12 @@ class _SceneReader:
             return Air(**values)
 
     @contextmanager
-    def _placed(self, *table: str) -> Iterator[None]:
+    def _placed(self, *table: str | int) -> Iterator[None]:
         """Put file and line of the key at fault, in a table, in front of errors raised inside."""
         try:
             yield
         except InputError as error:
-            raise self._at((*table, *([error.field] if error.field else [])), error) from None
+            raise self._at((*table, *key_path(error.field)), error) from None
 
     def _error(self, key: tuple[str | int, ...], message: str) -> InputError:
         """Return the error about a key, with file and line in front."""
@@ -343,8 +339,12 @@ class _SceneReader:
         for value in angle.values() if isinstance(angle, dict) else [angle]:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error((*place, "warp_angle"), f"warp_angle is in degrees, got {value!r}")
+        with self._placed(*place):
+            parts = read_parts(values, self.path.parent)
         source: str = values["source"]
         seams: str | list[str] | None = values.get("seams")
+        with self._placed(*place):
+            folds = folds_of(values.get("folds", {}))
         is_file = bool(re.search(r"[./\\]", source))
         return Garment(
             self._resolve(source) if is_file else source,
@@ -359,7 +359,9 @@ class _SceneReader:
             size=values.get("size"),
             allowance=values.get("allowance"),
             panel_fabrics=values.get("panel_fabrics", {}),
+            folds=folds,
             seams=self._resolve(seams) if isinstance(seams, str) else seams,
+            **vars(parts),
         )
 
     def _check_fabric_name(self, name: str, own: Mapping[str, Fabric], key: tuple[str | int, ...]) -> None:
@@ -374,21 +376,17 @@ class _SceneReader:
         if not isinstance(values, dict):
             raise self._error(place, f"fabric.{name} must be a table: write [fabric.{name}]")
         self._check_keys(values, "fabric", place)
-        base: dict[str, Any] = {}
-        if "like" in values:
-            if values["like"] not in fabrics():
-                raise self._error((*place, "like"), unknown_name("fabric", values["like"], fabrics()))
-            base = asdict(fabrics()[values["like"]])
-        given = {key: value for key, value in values.items() if key != "like"}
+        with self._placed(*place):
+            base = supplied_values(values)
+        given = {key: value for key, value in values.items() if key not in SUPPLIERS}
         needed = {entry.name for entry in fields(Fabric) if entry.default is MISSING} - {"name"}
         missing = sorted(needed - base.keys() - given.keys())
         if missing:
-            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them or 'like'")
-        fabric = Fabric(**{**base, **given, "name": name})
-        invalid = invalid_field(fabric)
-        if invalid is not None:
-            raise self._error((*place, invalid[0]), f"fabric '{name}': {invalid[0]} {invalid[1]}")
-        return checked_fabric(fabric)
+            raise self._error(place, f"fabric '{name}' lacks {', '.join(missing)}; set them, like or yarn")
+        try:
+            return checked_fabric(Fabric(**{**base, **given, "name": name}))
+        except InputError as error:
+            raise self._at((*place, str(error.field).removeprefix("fabric.")), error) from None
 
 
 def _name_of(values: Mapping[str, Any]) -> str | None:

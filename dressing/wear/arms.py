@@ -42,14 +42,14 @@ def drawn_in_arms(vertices: Float, body: Measurements | None, meshes: list[Garme
         length = stump + STUMP_TIP * (along[arm] - stump) / max(longest - stump, 1e-9)
         drawn[arm] = shoulder + length[:, None] * axis + THICKNESS_KEPT * across[arm]
         for mesh in meshes:
-            seen = mesh.positions[~_on_sleeves(mesh)] - shoulder
+            seen = mesh.positions[~on_sleeves(mesh)] - shoulder
             reach = seen @ axis
             beside = np.abs(seen[:, 0] * axis[1] - seen[:, 1] * axis[0])
             covered |= bool(((reach > stump) & (reach < longest) & (beside < 0.5 * NEAR)).any())
     return drawn if covered else None
 
 
-def _on_sleeves(mesh: GarmentMesh) -> Bool:
+def on_sleeves(mesh: GarmentMesh) -> Bool:
     """Mark the material vertices of sleeves and cuffs, shape (m,)."""
     sleeves = [index for index, role in enumerate(mesh.panel_roles) if role == "sleeve"]
     marked = np.zeros(len(mesh.positions), bool)
@@ -59,5 +59,5 @@ def _on_sleeves(mesh: GarmentMesh) -> Bool:
 
 def _sleeve_reach(mesh: GarmentMesh, shoulder: Float, axis: Float) -> float:
     """How far sleeves on the side of this arm reach along it [m]; 0 without sleeves."""
-    seen = mesh.positions[_on_sleeves(mesh)] - shoulder
+    seen = mesh.positions[on_sleeves(mesh)] - shoulder
     return float((seen[seen[:, 0] * axis[0] > 0.0] @ axis).max(initial=0.0))

@@ -1,5 +1,6 @@
 """Assembly of a scene's garment meshes into one Cloth."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,18 +9,26 @@ from scipy.sparse import csr_array, diags_array
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.roles import HANGS_FROM, SITS_ON
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fields.fields import Fields, Value
+from toile.engine.cloth.fields.paintings import VertexPainting
+from toile.engine.cloth.folds import FoldLine, Folds
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.engine.cloth.vertex_motion import VertexMotion
-from toile.geometry.arrays import Bool, Int
+from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
+
+FOLD_WIDTH = 1e-3
+"""Over which cloth bends at a fold that says nothing else [m]: that of a pressed fold."""
 
 
 def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) -> Cloth:
     """Join garments into one Cloth at rest; every material vertex starts as a node of its own.
 
-    `pins` names pinned material vertices, one array per garment, beside those that its mesh pins.
+    `pins` names material vertices that are pinned where they start, one array per garment, beside those that
+    its mesh pins.
     """
     offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
     seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
@@ -55,12 +64,14 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         ],
         [mesh.positions for mesh, _ in garments],
     )
+    fabric_of = np.concatenate([_fabric_of_faces(mesh, fabric, fabrics) for mesh, fabric in garments])
+    folds = Folds.together([mesh.folds for mesh, _ in garments], [len(mesh.faces) for mesh, _ in garments])
     led = pinned if goals is None else np.ones(count, bool)
     origin = Origin.together(
         [mesh.origin for mesh, _ in garments],
         [(len(mesh.positions), len(mesh.faces)) for mesh, _ in garments],
     )
-    return Cloth(
+    cloth = Cloth(
         positions=positions,
         velocities=np.zeros_like(positions),
         node=np.arange(count, dtype=np.int32),
@@ -69,7 +80,7 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         ).astype(np.int32),
         rest_corners=np.concatenate([mesh.rest_corners for mesh, _ in garments]),
         fabrics=fabrics,
-        fabric=np.concatenate([_fabric_of_faces(mesh, fabric, fabrics) for mesh, fabric in garments]),
+        fabric=fabric_of,
         garment=per_face(list(range(len(garments))), np.int32),
         panel=np.concatenate([mesh.panel for mesh, _ in garments]),
         uv=np.concatenate([mesh.uv for mesh, _ in garments]),
@@ -86,13 +97,74 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         origin=origin,
         goals=goals,
         handles=_handles(origin, led, [mesh for mesh, _ in garments]),
+        creases=Creases.of(fabrics, len(fabric_of)),
+        folds=None if folds is None else _stiffened(folds, fabrics, fabric_of),
+        gas=tuple(replace(gas, garment=k) for k, (mesh, _) in enumerate(garments) for gas in mesh.gas),
     )
+    return _with_parts(cloth, [mesh for mesh, _ in garments], offsets)
+
+
+def _with_parts(cloth: Cloth, meshes: list[GarmentMesh], offsets: Int) -> Cloth:
+    """Return a cloth with what lies on edges of its garments, and their fields.
+
+    Their first material vertices are `offsets`.
+    """
+    if any(mesh.elastic or mesh.holds for mesh in meshes):
+        rest = cloth.rest_space
+        cloth = replace(
+            cloth,
+            elastic=tuple(
+                replace(run, garment=k, lines=rest[offsets[k] + sides])
+                for k, mesh in enumerate(meshes)
+                for run, sides in mesh.elastic
+            ),
+            holds=tuple(
+                replace(hold, garment=k, lines=None if sides is None else rest[offsets[k] + sides])
+                for k, mesh in enumerate(meshes)
+                for hold, sides in mesh.holds
+            ),
+        )
+    return _with_fields(cloth, meshes, offsets)
+
+
+def _with_fields(cloth: Cloth, meshes: list[GarmentMesh], offsets: Int) -> Cloth:
+    """Return a cloth with the fields of its garments, whose first material vertices are `offsets`."""
+    parts = [mesh.fields for mesh in meshes]
+    fields = Fields.together(parts, [len(mesh.faces) for mesh in meshes])
+    if fields is None:
+        return cloth
+    rest = cloth.rest_space
+    owner = np.repeat(np.arange(len(parts)), [1 if part is None else len(part.values) for part in parts])
+    placed = tuple(
+        {name: _placed(value, rest[offsets[index] : offsets[index + 1]]) for name, value in values.items()}
+        for index, values in zip(owner.tolist(), fields.values, strict=True)
+    )
+    fields = replace(fields, values=placed)
+    return replace(cloth, fields=fields.on(fields.region, rest[cloth.faces]))
+
+
+def _placed(value: Value, rest: Float) -> Value:
+    """Return a value of a field on a garment whose vertices lie at `rest` in rest space [m], shape (m, 3)."""
+    return replace(value, points=rest) if isinstance(value, VertexPainting) else value
 
 
 def _fabric_of_faces(mesh: GarmentMesh, fabric: Fabric, fabrics: tuple[Fabric, ...]) -> Int:
     """Return the index of the fabric of every face of a garment: its panel's, or the garment's."""
     of_panel = [fabrics.index(mesh.panel_fabrics.get(name, fabric)) for name in mesh.panel_names]
     return np.array(of_panel, np.int32)[mesh.panel]
+
+
+def _stiffened(folds: Folds, fabrics: tuple[Fabric, ...], fabric: Int) -> Folds:
+    """Return folds with the stiffness [N] of the fabric of their panel where they have none of their own."""
+
+    def usual(line: FoldLine) -> float:
+        some = fabrics[fabric[np.isin(folds.part, line.parts).argmax()]]
+        return float(0.5 * (some.bending_warp + some.bending_weft) / FOLD_WIDTH)
+
+    lines = [
+        line._replace(stiffness=usual(line)) if np.isnan(line.stiffness) else line for line in folds.lines
+    ]
+    return replace(folds, lines=tuple(lines))
 
 
 def pin_motion(meshes: list[GarmentMesh], origin: Origin | None) -> VertexMotion | None:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from toile.engine.step.options import StepOptions
 
 Status = Literal["converged", "frame_limit", "cancelled", "failed"]
+Phase = Literal["sewing", "growing", "settling", "leading in", "film"]
+"""What a frame belongs to: seams close; the body takes on its shape; the garment finds rest; the motion that
+leads into a clip; the clip."""
 FailureKind = Literal[
     "open_seams", "tangled", "not_sewn", "numerical", "motion", "crossing", "overstretched", "fell_off"
 ]
@@ -72,7 +75,7 @@ class DrapeOptions:
 class FrameState:
     """State of a drape after a frame; residual as in DrapeOptions.tolerance, seconds of wall time.
 
-    `doing` says in words what the drape is doing, and how far it is.
+    `phase` is what it belongs to, and `doing` says in words what is being done, and how far it is.
     """
 
     frame: int
@@ -82,6 +85,7 @@ class FrameState:
     seconds: float
     max_frames: int
     doing: str = ""
+    phase: Phase = "settling"
 
 
 @dataclass(frozen=True, kw_only=True)

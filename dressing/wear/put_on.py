@@ -1,6 +1,5 @@
 """A drape from garment meshes to draped garments: start repair, engine, figures."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -24,8 +23,13 @@ from toile.dressing.wear.drape_types import (
     in_all,
 )
 from toile.dressing.wear.fault import faces_at_fault, place_of
+from toile.dressing.wear.hung_below import hung_below
 from toile.dressing.wear.lay_on import laid_on
 from toile.dressing.wear.layer_order import flared_outside
+from toile.dressing.wear.raised_arms import raised_arms
+from toile.dressing.wear.reel import Reel
+from toile.dressing.wear.rings import rolled_rings
+from toile.dressing.wear.sewn_pins import pins_in_time
 from toile.dressing.wear.start_repair import clear_panels, lift_over_shoulders
 from toile.dressing.wear.taken_apart import taken_apart
 from toile.dressing.wear.watch import Watch, garment_areas, strained_places
@@ -33,12 +37,12 @@ from toile.dressing.wear.worn import Worn, worn_together
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.drape.drape import Drape
-from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Frame, Growth
+from toile.engine.drape.plan import STEPS_PER_FRAME, DrapePlan, Growth
 from toile.engine.forces.contact import ContactLaw
 from toile.engine.forces.contact_pairs import BODY
 from toile.engine.forces.ground import Ground
 from toile.engine.step.options import StepOptions
-from toile.geometry.errors import InputError
+from toile.geometry.errors import CrowdedError, InputError
 
 SHRINK = 0.04
 """How far the body is drawn in while seams close [m]."""
@@ -60,8 +64,6 @@ MOST_WORK, MOST_PER_FACE = 1e6, 600
 per face of the mesh at the start. Three times what any takes that is put on in its first mesh."""
 HELD_WITHIN = 0.015
 """Distance within which cloth may hold back the body [m]."""
-SHUT = 1e-3
-"""Gap below which a stitch is shut, as progress counts [m]."""
 
 
 def drape(
@@ -82,7 +84,7 @@ def drape(
         A garment starts in a way that cannot be repaired.
     """
     layered = len(garments) > 1 and all(mesh.flat for mesh, _ in garments)
-    reel = _Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
+    reel = Reel(on_frame, options.max_frames * (len(garments) + 1 if layered else 1))
     if not layered:
         return _put_on(form, garments, options, reel, [])
     parts: list[DrapeOutcome] = []
@@ -111,46 +113,24 @@ def drape(
     )  # fmt: skip
 
 
-class _Reel:
-    """Frames of all drapes of a scene, numbered through."""
-
-    def __init__(self, on_frame: Callable[[FrameState], bool], max_frames: int) -> None:
-        self._on_frame = on_frame
-        self._max_frames = max_frames
-        self._started = time.perf_counter()
-        self._frames = 0
-
-    def showing(self, watch: Watch) -> Callable[[Frame], bool]:
-        """Return the callback of a drape that is watched: it shows a frame, and may end the drape."""
-        return lambda frame: self._show(frame) and watch.see(frame)
-
-    def _show(self, frame: Frame) -> bool:
-        state = FrameState(
-            frame=self._frames, faces=len(frame.cloth.faces), contacts=frame.contacts,
-            residual=frame.rms_motion, seconds=time.perf_counter() - self._started,
-            max_frames=self._max_frames, doing=_doing(frame),
-        )  # fmt: skip
-        self._frames += 1
-        return self._on_frame(state)
-
-
-def _doing(frame: Frame) -> str:
-    """Say what a drape is doing in a frame, and how far it is."""
-    cloth = frame.cloth
-    if frame.phase == "sewing" and len(cloth.stitches):
-        ends = cloth.positions[cloth.stitches]
-        gaps = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
-        apart = int(np.count_nonzero(gaps > SHUT))
-        return f"sewing, {apart} of {len(gaps)} stitches apart by up to {1e3 * gaps.max():.0f} mm"
-    if frame.phase == "settling":
-        return "settling"
-    if sum(map(len, (frame.crossings.avatar, frame.crossings.cloth))):
-        return f"untangling {len(frame.crossings.avatar) + len(frame.crossings.cloth)} crossings"
-    return "growing the body to its shape" if frame.phase == "growing" else "sewing"
+def settle_worn(
+    form: DressForm,
+    garments: list[tuple[GarmentMesh, Fabric]],
+    options: DrapeOptions,
+    cloth: Cloth,
+    on_frame: Callable[[FrameState], bool],
+) -> DrapeOutcome:
+    """Let cloth that is worn on a still body find equilibrium there."""
+    watch = Watch(form.avatar.vertices, [mesh for mesh, _ in garments], form.place)
+    run = Drape(
+        cloth, (form.avatar.vertices, form.avatar.faces), [], _plan(options, _all_fabrics(garments)),
+        Reel(on_frame, options.max_frames).showing(watch),
+    )  # fmt: skip
+    return _outcome(run, garments, _broken_down(run, run.hang, watch), (), watch, form.place)
 
 
 def _put_on(
-    form: DressForm, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: _Reel,
+    form: DressForm, garments: list[tuple[GarmentMesh, Fabric]], options: DrapeOptions, reel: Reel,
     worn: list[Cloth],
 ) -> DrapeOutcome:  # fmt: skip
     """Sew garments on the body, over what is worn, and let them settle."""
@@ -160,7 +140,16 @@ def _put_on(
     notes = [f"garment '{mesh.name}': {note}" for mesh, _ in garments for note in mesh.notes]
     shapes = [(avatar.vertices, GROWTH_PER_STEP)]
     body = None if isinstance(form.measured, InputError) else form.measured
-    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments])
+    raised = raised_arms(thin, avatar.faces, body, [mesh for mesh, _ in garments])
+    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments]) if raised is None else None
+    if raised is not None:
+        (first, *later), raised_sleeves = raised
+        shapes = [*((shape, ARMS_PER_STEP) for shape in (*later, thin)), *shapes]
+        thin = first
+        garments = [(mesh, fabric) for mesh, (_, fabric) in zip(raised_sleeves, garments, strict=True)]
+        notes.append(
+            "the arms are raised until the garment hangs, so that its skirt closes below the sleeves"
+        )
     if drawn is not None:
         shapes.insert(0, (thin, ARMS_PER_STEP))
         thin = drawn
@@ -172,21 +161,26 @@ def _put_on(
     for mesh, fabric in garments:
         lifted, said = lift_over_shoulders(mesh, obstacle, shoulder)
         notes += said
-        layered, said = flared_outside(lifted)
+        hung, said = hung_below(lifted, shoulder)
         notes += said
-        placed.append((layered, fabric))
+        layered, said = flared_outside(hung)
+        notes += said
+        rolled, said = rolled_rings(layered, obstacle[0], shoulder)
+        notes += said
+        placed.append((rolled, fabric))
     meshes, said = laid_on([mesh for mesh, _ in placed], obstacle[0])
     notes += said
     meshes, said = clear_panels(meshes, obstacle)
     notes += said
+    at_once, when_sewn = pins_in_time(meshes, options.pins)
     cloth = assemble_cloth(
-        [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], list(options.pins)
+        [(mesh, fabric) for mesh, (_, fabric) in zip(meshes, garments, strict=True)], at_once
     )
     watch = Watch(avatar.vertices, [mesh for mesh, _ in garments], form.place)
     most = max(MOST_WORK, MOST_PER_FACE * len(cloth.faces))
     plan = _plan(options, _all_fabrics(garments))
     plan = replace(plan, most_work=most if plan.most_work is None else min(most, plan.most_work))
-    run = Drape(cloth, obstacle, growth, plan, reel.showing(watch))
+    run = Drape(cloth, obstacle, growth, plan, reel.showing(watch), when_sewn)
     return _outcome(run, garments, _broken_down(run, run.run, watch), tuple(notes), watch, form.place)
 
 
@@ -206,6 +200,8 @@ def _broken_down(run: Drape, phases: Callable[[], object], watch: Watch) -> Fail
         return Failure(
             kind="numerical", message=f"the solver broke down: {error}", where=f"step {run.record.steps}"
         )
+    except CrowdedError as error:
+        return Failure(kind="numerical", message=str(error), where=f"step {run.record.steps}")
     return None
 
 

@@ -8,7 +8,8 @@ from toile.geometry.arrays import Float
 
 def warp_weft_strain(cloth: Cloth) -> Float:
     """Return the strain of every face along warp and weft, shape (t, 2); 0 where a face has no rest area."""
-    rest = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
+    natural = cloth.natural_corners
+    rest = natural[:, 1:] - natural[:, :1]
     corners = cloth.positions[cloth.face_nodes]
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     doubled = rest[:, 0, 0] * rest[:, 1, 1] - rest[:, 0, 1] * rest[:, 1, 0]

@@ -95,7 +95,7 @@ class Watch:
             self._top[index] = max(self._top[index], top)
             down = top < self._top[index] - FALLEN
             if down and top >= self._low:
-                down = bool(np.min(self._body.query(own, distance_upper_bound=ON_BODY)[0]) > ON_BODY)
+                down = _is_away(own, self._body)
             self._down[index] = self._down[index] + 1 if down else 0
             if self._down[index] >= FRAMES_DOWN:
                 self.failure = self._fallen(cloth, index, f"frame {frame}")
@@ -124,6 +124,12 @@ class Watch:
             where=f"garment {self._garments[index].name}: {self._garments[index].panel_names[panel]}, near "
             f"({x:.2f}, {y:.2f}, {z:.2f}) m, {when}",
         )
+
+
+def is_off(nodes: Float, top: float, skin: Float) -> bool:
+    """Whether nodes of a garment [m], (n, 3), have come down from their top, and off a skin, (v, 3)."""
+    down = float(np.quantile(nodes[:, 1], TOP)) < top - FALLEN
+    return down and _is_away(nodes, cKDTree(skin))
 
 
 def area_ratios(cloth: Cloth, count: int) -> Float:
@@ -157,6 +163,11 @@ def strained_places(
                 )
             )
     return tuple(sorted(found, key=lambda one: -one.percent)[:NAMED])
+
+
+def _is_away(nodes: Float, body: cKDTree) -> bool:
+    """Whether no node [m], shape (n, 3), lies on a body."""
+    return bool(np.min(body.query(nodes, distance_upper_bound=ON_BODY)[0]) > ON_BODY)
 
 
 def _areas(cloth: Cloth) -> Float:

@@ -7,6 +7,9 @@ from scipy.sparse import block_diag, csr_array
 from scipy.spatial import cKDTree
 
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.creases import Creases
+from toile.engine.cloth.fields.fields import Fields
+from toile.engine.cloth.folds import Folds
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Float, Int
@@ -82,6 +85,12 @@ def worn_together(garments: list[Cloth]) -> Cloth:
             [cloth.origin for cloth in garments], [(len(cloth.node), len(cloth.faces)) for cloth in garments]
         ),
         handles=_handles(garments),
+        folds=Folds.together([cloth.folds for cloth in garments], [len(cloth.faces) for cloth in garments]),
+        creases=Creases.together([cloth.creases for cloth in garments], [len(c.faces) for c in garments]),
+        fields=Fields.together([cloth.fields for cloth in garments], [len(c.faces) for c in garments]),
+        elastic=tuple(replace(run, garment=k) for k, cloth in enumerate(garments) for run in cloth.elastic),
+        holds=tuple(replace(hold, garment=k) for k, cloth in enumerate(garments) for hold in cloth.holds),
+        gas=tuple(replace(gas, garment=k) for k, cloth in enumerate(garments) for gas in cloth.gas),
     )  # fmt: skip
 
 

@@ -5,8 +5,9 @@ import numpy as np
 from toile.collide.patch_clearance import PatchChanges, clear_proposals
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.step.step import ClothStepper
-from toile.geometry.arrays import Bool, Float
+from toile.geometry.arrays import Bool, Float, Int
 from toile.remesh.adapt.acceptance import Proposals
 
 LEAST_GAP = 1e-4
@@ -33,9 +34,11 @@ class PatchGate:
     def __init__(self, cloth: Cloth, stepper: ClothStepper) -> None:
         self._weld = cloth.weld
         self._avatar = None if stepper.collisions is None else stepper.collisions.avatar
-        fabrics = cloth.fabrics
         names = ("stretch_warp", "stretch_weft", "shear", "compression")
-        self._stiffness = np.array([[getattr(f, name) for name in names] for f in fabrics])[cloth.fabric]
+        self._stiffness = np.stack([cloth.per_face(name) for name in names], axis=1)
+        warp, weft, _, compression = self._stiffness.T
+        self._laws = stretch_laws(cloth.fabrics, cloth.fabric, warp, weft, compression)
+        self._scale = cloth.rest_scale(cloth.now)
         rounding = float((self._stiffness[:, 0] * np.abs(cloth.rest_area)).sum()) * ROUNDING**2
         self.left = ENERGY_BUDGET * stepper.elastic_energy() + rounding
 
@@ -64,11 +67,17 @@ class PatchGate:
         """Membrane energy that each proposal adds [J], shape (p,)."""
         count = proposals.proposal_count
         new = patch_energies(
-            positions, proposals.triangles, proposals.rest_corners, self._stiffness, proposals.origin
-        )
+            positions, proposals.triangles, self._natural(proposals.rest_corners, proposals.origin),
+            self._stiffness, proposals.origin, self._laws,
+        )  # fmt: skip
         old = patch_energies(
-            positions, proposals.face_nodes[proposals.removed], proposals.removed_rest_corners,
-            self._stiffness, proposals.removed_origin,
+            positions, proposals.face_nodes[proposals.removed],
+            self._natural(proposals.removed_rest_corners, proposals.removed_origin),
+            self._stiffness, proposals.removed_origin, self._laws,
         )  # fmt: skip
         after = np.bincount(proposals.owner, weights=new, minlength=count)
         return np.asarray(after - np.bincount(proposals.removed_owner, weights=old, minlength=count))
+
+    def _natural(self, rest_corners: Float, like: Int) -> Float:
+        """Return rest corners (q, 3, 2) [m] scaled as those of the faces `like`, shape (q,), are."""
+        return rest_corners if self._scale is None else rest_corners * self._scale[like][:, None]

@@ -9,6 +9,7 @@ from toile.engine.adapt.patch_gate import PatchGate
 from toile.engine.adapt.remeshing_record import NOISE, Remeshing
 from toile.engine.adapt.sizing_field import face_metrics
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.fields.edge_runs import end_vertices
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.wind import Wind
@@ -76,7 +77,7 @@ def remeshed(cloth: Cloth, stepper: ClothStepper, options: SizingOptions) -> Rem
     cloth free of crossings; momentum is kept.
     """
     mesh = cloth_mesh(cloth, stepper.x)
-    tensors = vertex_tensors(mesh, face_metrics(mesh, stepper, options))
+    tensors = vertex_tensors(mesh, face_metrics(mesh, stepper, options, cloth.rest_scale(cloth.now)))
 
     gate = PatchGate(cloth, stepper)
     count = len(cloth.faces)
@@ -191,16 +192,24 @@ def _go_back_to_energy(stepper: ClothStepper, start: Float, energy: float) -> No
 
 def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
     """Return what the mesher works on: the rest space is that of the pattern, or the curved start shape."""
-    rest = np.where(_curved(cloth)[:, None], cloth.start_positions, np.pad(cloth.uv, ((0, 0), (0, 1))))
+    rest = cloth.rest_space
     sides = rest[cloth.faces[:, 1:]] - rest[cloth.faces[:, :1]]
     plane = cloth.rest_corners[:, 1:] - cloth.rest_corners[:, :1]
     frames = np.einsum("tci,tdc->tid", sides, np.linalg.inv(plane))
     parts = cloth.garment.astype(np.int64)
-    for part in (cloth.panel, cloth.fabric):
+    folded = () if cloth.folds is None else (cloth.folds.part,)
+    regions = () if cloth.fields is None else (cloth.fields.region,)
+    for part in (cloth.panel, cloth.fabric, *folded, *regions):
         parts = parts * (int(part.max(initial=0)) + 1) + part
     region = np.unique(parts, return_inverse=True)[1]
     kept = np.zeros(len(x), bool)
     kept[cloth.stitches.ravel()] = True
+    frozen = _edges_between(cloth.face_nodes, kept)
+    runs = [(run.garment, run.panel, run.lines) for run in cloth.elastic]
+    runs += [(hold.garment, hold.panel, hold.lines) for hold in cloth.holds if hold.lines is not None]
+    for garment, panel, lines in runs:
+        own = cloth.faces[(cloth.garment == garment) & (cloth.panel == panel)]
+        kept[cloth.node[end_vertices(lines, np.unique(own), rest)]] = True
     return ClothMesh(
         rest=rest,
         node=cloth.node,
@@ -210,15 +219,8 @@ def cloth_mesh(cloth: Cloth, x: Float) -> ClothMesh:
         positions=x.copy(),
         kept=kept,
         pinned=cloth.pinned,
-        frozen_edges=_edges_between(cloth.face_nodes, kept),
+        frozen_edges=frozen,
     )
-
-
-def _curved(cloth: Cloth) -> Bool:
-    """Mark the material vertices whose rest shape is the start shape, shape (m,)."""
-    curved = np.zeros(len(cloth.uv), bool)
-    curved[cloth.faces[cloth.rest_curved].ravel()] = True
-    return curved
 
 
 def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
@@ -254,7 +256,14 @@ def carried_over(cloth: Cloth, mesh: ClothMesh, transfer: TransferMap) -> Cloth:
         rest_curved=rest_curved,
         start_positions=start,
         origin=None if cloth.origin is None else cloth.origin.carried(transfer),
+        folds=None if cloth.folds is None else cloth.folds.carried(transfer),
+        creases=None if cloth.creases is None else cloth.creases.carried(transfer.faces),
+        timed_pins=tuple(pins.carried(transfer) for pins in cloth.timed_pins),
     )
+    if cloth.fields is not None:
+        corners = after.rest_space[after.faces]
+        fields = cloth.fields.on(cloth.fields.region[transfer.faces], corners)
+        after = replace(after, fields=fields)
     if cloth.velocities.any():
         velocities = with_momentum_of(_motion(cloth), _motion(after))
         velocities[after.pinned] = after.velocities[after.pinned]

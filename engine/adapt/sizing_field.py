@@ -24,16 +24,18 @@ from toile.remesh.sizing.sizing import (
 from toile.remesh.sizing.smooth_curvature import smoothed_curvature
 
 
-def face_metrics(mesh: ClothMesh, stepper: ClothStepper, options: SizingOptions) -> Float:
+def face_metrics(
+    mesh: ClothMesh, stepper: ClothStepper, options: SizingOptions, scale: Float | None = None
+) -> Float:
     """Return the metric [1/m^2] that every face wants, in its warp and weft directions, shape (t, 2, 2).
 
     The smallest that dominates those of curvature, compression, motion where there is any, and of an avatar
-    where it is near.
+    where it is near. `scale` is that of the rest shape on every face, shape (t, 2), or None.
     """
     x, membrane, bending = stepper.x, stepper.force(Membrane), stepper.force(Bending)
     assert membrane is not None
     deformation = membrane.gradient(x)
-    metrics = []
+    metrics, natural = [], []
     curvature = np.zeros((len(mesh.faces), 2, 2))
     if bending is not None:
         bent = bending.curvature(x)
@@ -41,12 +43,15 @@ def face_metrics(mesh: ClothMesh, stepper: ClothStepper, options: SizingOptions)
         curvature[:, 0, 1] = curvature[:, 1, 0] = bent[:, 2]
         curvature = smoothed_curvature(mesh, curvature, options)
         metrics.append(curvature_metric(curvature, options.refine_angle))
-    metrics.append(compression_metric(deformation, curvature, options.refine_compression))
+    natural.append(compression_metric(deformation, curvature, options.refine_compression))
     if stepper.v.any():
-        metrics.append(velocity_metric(deformation, membrane.gradient(stepper.v), options.refine_velocity))
+        natural.append(velocity_metric(deformation, membrane.gradient(stepper.v), options.refine_velocity))
     if stepper.collisions is not None and stepper.collisions.avatar is not None:
-        metrics.append(_near_avatar(stepper.collisions, stepper.collisions.avatar, membrane, x))
-    return clamped(reduce(smallest_dominating, metrics), options)
+        natural.append(_near_avatar(stepper.collisions, stepper.collisions.avatar, membrane, x))
+    if scale is not None:
+        # The mesh is measured as it was cut, the membrane as it is without force.
+        natural = [metric * scale[:, :, None] * scale[:, None] for metric in natural]
+    return clamped(reduce(smallest_dominating, [*metrics, *natural]), options)
 
 
 NEAR = 5.0

@@ -9,11 +9,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fields.edge_runs import EdgeRun
+from toile.engine.cloth.fields.fields import Fields
+from toile.engine.cloth.fields.gas import Gas
+from toile.engine.cloth.fields.timed_pins import RunHold, TimedPins
+from toile.engine.cloth.folds import Folds
 from toile.engine.cloth.goals import Goals
 from toile.engine.cloth.origin import Origin
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
+
+RESTS = ("rest_warp", "rest_weft")
+"""Quantities by which the rest shape is scaled."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +74,22 @@ class Cloth:
         Where nodes that are not pinned are drawn to, or None.
     origin
         Which corners and faces of the garments' files all this was made of; None where nobody asks.
+    folds
+        Lines along which panels are folded at rest, or None.
+    creases
+        Curvature that its faces keep, or None.
+    fields
+        Values on regions that differ from their fabric's, or None.
+    elastic
+        Runs of edges with elastic along them.
+    holds
+        Where a film will hold it.
+    timed_pins
+        Pins of a film that come and go.
+    gas
+        Gas in closed garments.
+    now
+        Time of the film at which keyed values count, until a step says another [s].
     """
 
     positions: Float
@@ -88,6 +113,47 @@ class Cloth:
     goals: Goals | None = None
     handles: csr_array | None = None
     origin: Origin | None = None
+    folds: Folds | None = None
+    creases: Creases | None = None
+    fields: Fields | None = None
+    elastic: tuple[EdgeRun, ...] = ()
+    holds: tuple[RunHold, ...] = ()
+    timed_pins: tuple[TimedPins, ...] = ()
+    gas: tuple[Gas, ...] = ()
+    now: float = 0.0
+
+    def per_face(self, name: str) -> Float:
+        """Return a quantity of the fabric on every face, shape (t,), as fields have it now."""
+        values = np.array([getattr(fabric, name) for fabric in self.fabrics])[self.fabric]
+        return values if self.fields is None else self.fields.over(name, values, self.now)
+
+    @property
+    def is_curved(self) -> Bool:
+        """Whether a material vertex has its start shape for a rest shape, shape (m,)."""
+        curved = np.zeros(len(self.uv), bool)
+        curved[self.faces[self.rest_curved].ravel()] = True
+        return curved
+
+    @property
+    def rest_space(self) -> Float:
+        """Material vertices in rest space [m], shape (m, 3): of a pattern (u, v, 0), or the start shape."""
+        return np.where(self.is_curved[:, None], self.start_positions, np.pad(self.uv, ((0, 0), (0, 1))))
+
+    def rest_scale(self, seconds: float) -> Float | None:
+        """Scale of the rest shape along warp and weft on every face, shape (t, 2); None if it is 1.
+
+        It is that at a time of the film [s], and acts once all seams are closed: panels are sewn as cut.
+        """
+        if self.fields is None or len(self.stitches) or not self.fields.names() & {*RESTS}:
+            return None
+        ones = np.ones(len(self.faces))
+        return np.stack([self.fields.over(name, ones, seconds) for name in RESTS], axis=1)
+
+    @property
+    def natural_corners(self) -> Float:
+        """Corners of faces without any force on them, in (warp, weft) [m], shape (t, 3, 2)."""
+        scale = self.rest_scale(self.now)
+        return self.rest_corners if scale is None else self.rest_corners * scale[:, None]
 
     @property
     def face_nodes(self) -> Int:
@@ -115,16 +181,15 @@ class Cloth:
     @property
     def mass(self) -> Float:
         """Mass per node [kg], shape (n,): rest area times areal density, lumped."""
-        density = np.array([fabric.areal_density for fabric in self.fabrics])
-        return self.lumped(self.rest_area * density[self.fabric])
+        return self.lumped(self.rest_area * self.per_face("areal_density"))
 
     @property
     def shortest_edge(self) -> Float:
         """Shortest rest edge at every node [m], shape (n,)."""
         shortest = np.full(len(self.positions), np.inf)
-        faces = self.face_nodes
+        faces, corners = self.face_nodes, self.natural_corners
         for k in range(3):
-            edge = np.linalg.norm(self.rest_corners[:, k] - self.rest_corners[:, (k + 1) % 3], axis=1)
+            edge = np.linalg.norm(corners[:, k] - corners[:, (k + 1) % 3], axis=1)
             np.minimum.at(shortest, faces[:, k], edge)
             np.minimum.at(shortest, faces[:, (k + 1) % 3], edge)
         return shortest

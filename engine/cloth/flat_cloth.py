@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import as_faces, as_positions
 from toile.geometry.errors import InputError
@@ -57,6 +58,7 @@ def flat_cloth(
         garment=zeros, panel=zeros, uv=flat, stitches=np.empty((0, 2), np.int32), seam=none,
         stitch_length=np.empty(0), held=none, waist=none, pinned=free,
         rest_curved=np.zeros(len(triangles), bool), start_positions=start.copy(),
+        creases=Creases.of((fabric,), len(triangles)),
     )  # fmt: skip
     turned = np.flatnonzero(cloth.rest_area <= 0.0)
     if len(turned):

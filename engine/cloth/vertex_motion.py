@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from toile.geometry.arrays import Float
+from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,11 +24,30 @@ class VertexMotion:
         Frames per second.
     lead
         Frames of a lead-in: the film begins after them, at its frame 0.
+
+    Raises InputError if frames are not finite numbers of that shape, or fps is none.
     """
 
     frames: npt.NDArray[np.floating]
     fps: float
     lead: int = 0
+
+    def __post_init__(self) -> None:
+        """Check frames and rate."""
+        frames = np.asarray(self.frames)
+        if frames.ndim != 3 or frames.shape[2] != 3 or len(frames) < 2 or frames.dtype.kind not in "fiu":
+            raise InputError(
+                f"frames must be numbers of shape (k, v, 3), k at least 2, got {frames.dtype} of shape "
+                f"{frames.shape}",
+                field="frames",
+            )
+        if not np.isfinite(frames).all():
+            raise InputError(
+                "frames have NaN or infinite coordinates; export the motion again", field="frames"
+            )
+        if not is_real(self.fps) or not self.fps > 0.0:
+            raise InputError(f"fps must be greater than zero, got {shown(self.fps)}", field="fps")
+        object.__setattr__(self, "frames", frames if frames.dtype.kind == "f" else frames.astype(np.float64))
 
     @property
     def seconds(self) -> float:

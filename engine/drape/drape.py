@@ -7,6 +7,7 @@ size h is a damped Newton step on the static problem, and growing h turns it int
 from toile.engine.drape.growing import grow
 from toile.engine.drape.merging import join_touching
 from toile.engine.drape.passable import let_pass_crossings
+from toile.engine.drape.pinning import take_hold
 from toile.engine.drape.plan import DrapeRecord
 from toile.engine.drape.settling import ease, settle
 from toile.engine.drape.sewing import sew
@@ -44,14 +45,17 @@ class Drape(DrapeState):
             self.close_frame(0)
             return self.record
         self._put_on()
-        if self._is_open() and self.remesh():
-            # What does not close in coarse triangles may do so in finer ones.
-            close_late(self)
+        if self._is_open():
+            take_hold(self)
+            if self.remesh():
+                # What does not close in coarse triangles may do so in finer ones.
+                close_late(self)
         if self._gives_up(bool(self.ghost.any()) or self._is_open()):
             return self.record
         if self._can_go_back():
             leave_open(self)
             self._put_on()
+        take_hold(self)
         self.remesh()
         ease(self)
         self.remesh()

@@ -48,7 +48,7 @@ def merge(drape: DrapeState) -> None:
     cloth = replace(cloth, positions=stepper.x.copy())
     radius = None if stepper.collisions is None else stepper.collisions.least_body_radius
     while closed.any():
-        _restart(drape, cloth.merged(closed), radius)
+        restart_near(drape, cloth.merged(closed), radius)
         # What was between, or crossed unseen across the open seam, is found now.
         crossings = drape.audit()
         if not (len(crossings.avatar) or len(crossings.cloth)):
@@ -59,10 +59,10 @@ def merge(drape: DrapeState) -> None:
         crossing = np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()])
         at_fault = np.isin(weld[cloth.stitches], weld[cloth.face_nodes[crossing]]).any(axis=1)
         closed = closed & ~at_fault if (closed & at_fault).any() else np.zeros_like(closed)
-        _restart(drape, cloth, radius)
+        restart_near(drape, cloth, radius)
 
 
-def _restart(drape: DrapeState, cloth: Cloth, body_radius: float | None) -> None:
+def restart_near(drape: DrapeState, cloth: Cloth, body_radius: float | None) -> None:
     """Continue with a cloth of another topology, at the same least distance [m] from the avatar."""
     drape.restart(cloth)
     if drape.stepper.collisions is not None and body_radius is not None:

@@ -52,6 +52,11 @@ class DrapeState(ClothRun):
         Whether tangles that resisted a first attempt are drawn apart less hard, over narrower patches.
     solid
         Whether no cloth may pass any more: seams that close only so stay open.
+    pin_when_sewn
+        Material vertices pinned once the cloth is sewn and the avatar has its true shape, shape (m,),
+        in the mesh in which the cloth is sewn; or None.
+    pins_hold
+        Whether they are pinned.
     reach
         Largest elongation of a stitch that pulls [m].
     growth
@@ -66,7 +71,7 @@ class DrapeState(ClothRun):
 
     def __init__(
         self, cloth: Cloth, avatar: tuple[Float, Int] | None, growth: list[Growth], plan: DrapePlan,
-        on_frame: Callable[[Frame], bool],
+        on_frame: Callable[[Frame], bool], pin_when_sewn: Bool | None = None,
     ) -> None:  # fmt: skip
         super().__init__(cloth, avatar, plan.step, StageClock())
         self.plan = plan
@@ -79,6 +84,8 @@ class DrapeState(ClothRun):
         self.before_passing: BeforePassing | None = None
         self.gentle = False
         self.solid = False
+        self.pin_when_sewn = pin_when_sewn
+        self.pins_hold = False
         self.reach = STITCH_REACH
         self._meshed_at = cloth.positions
         self._before: tuple[Cloth, ClothStepper] | None = None

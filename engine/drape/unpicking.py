@@ -33,6 +33,7 @@ def _go_back(drape: DrapeState) -> None:
     start = drape.before_passing
     assert start is not None
     drape.phase = "sewing"
+    drape.pins_hold = False
     if start.avatar is not None and drape.stepper.collisions is not None:
         drape.stepper.collisions.put_avatar(start.avatar)
         drape.auditor = None

@@ -13,6 +13,8 @@ from toile.engine.step.options import StepOptions
 from toile.geometry.arrays import Float
 from toile.remesh.sizing.sizing import SizingOptions
 
+LONGEST_STEP = 1.0 / 60.0
+"""Time steps that a body in motion drives, at most [s]: of two stages each."""
 PUSHED_NEWTON, PUSHED_TOLERANCE = 4, 2e-3
 """Newton iterations of a step, and the motion [m] that ends them, for cloth that a moving body pushes.
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -16,6 +17,7 @@ from toile.engine.film.step_sizes import StepLimits, StepSizes
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
 from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import CrowdedError
 from toile.geometry.stage_clock import StageClock
 
 MOVED = 1.0
@@ -73,16 +75,24 @@ class Simulation(ClothRun):
         for _ in range(round(seconds / self.plan.frame_seconds)):
             if self.record.cancelled or self._jumps():
                 break
-            # Before the mesh is adapted, and after: a film that is resumed after this frame runs the same.
-            self._focus(self._frame_time())
-            if self._remesh():
-                self._focus(self._frame_time())
-            self._advance()
-            self._catch_up()
-            self._close_frame()
+            try:
+                self._to_next_frame()
+            except (FloatingPointError, CrowdedError) as error:
+                last = self._called(len(self.record.crossings) - 1)
+                self.record.failure = f"the solver broke down after {last}: {error}"
             if self.record.failure:
                 break
         return self.record
+
+    def _to_next_frame(self) -> None:
+        """Adapt the mesh, step to the next frame and close it."""
+        # Before the mesh is adapted, and after: a film that is resumed after this frame runs the same.
+        self._focus(self._frame_time())
+        if self._remesh():
+            self._focus(self._frame_time())
+        self._advance()
+        self._catch_up()
+        self._close_frame()
 
     def state(self) -> FilmState:
         """Return all that is needed to resume the film after a frame."""
@@ -180,7 +190,9 @@ class Simulation(ClothRun):
         from toile.engine.adapt.remeshing import remesh_run
 
         now = self.clock.now()
-        request = StepRequest(h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance)
+        request = StepRequest(
+            h=RELAXING, at_rest=True, gravity=0.0, cg_tolerance=plan.cg_tolerance, seconds=self.cloth.now
+        )
         done = remesh_run(self, plan.sizing, request, record.steps, keep_energy=True)
         if done is not None:
             record.remeshings.append(done)
@@ -283,6 +295,7 @@ class Simulation(ClothRun):
             self.skin.whole(self.path.at(self._frame_time() + self.plan.frame_seconds))
             self.stepper.forget()
             self.auditor = None
+        self.cloth = replace(self.cloth, now=len(record.crossings) * self.plan.frame_seconds)
         crossings = self.audited_cloth()
         frame = FilmFrame(
             index=len(record.crossings), seconds=record.simulated_seconds, cloth=self.cloth,

@@ -13,6 +13,9 @@ SHRINK, GROW = 0.3, 2.0
 """Limits of the change from one step to the next where the error decides."""
 REPEATED = 2.0
 """A step of more than this many times the allowed error is undone."""
+STUBBORN, TOO_MUCH = 0.7, 3.0
+"""A step that is repeated at half the size and still raises the stretch by this share of what it did is kept,
+up to so many times the rise that undoes others."""
 ROUNDING = 1e-9
 """Share of a size that is rounding."""
 HELD = 1.2
@@ -55,6 +58,7 @@ class StepSizes:
     def __init__(self, limits: StepLimits, first: float) -> None:
         self.limits = limits
         self.h = first
+        self._undone: tuple[float, float] | None = None
 
     def next(self, left: float, speed: float) -> float:
         """Return the size of a step [s] where `left` [s] are to go, in steps as equal as the size allows.
@@ -68,8 +72,11 @@ class StepSizes:
         """Judge a step of h [s] that raised the largest stretch so far: whether it is kept.
 
         One that is not solved, or whose stretch or error is too large, is undone and tried again shorter.
+        Where a shorter one stretches the cloth nearly as much, as when a new contact pushes a node to its
+        radius, that one is kept, and the next has the size of before: shorter ones do not help.
         """
-        limits = self.limits
+        limits, undone = self.limits, self._undone
+        self._undone = None
         factor = inf
         if outcome.error is not None and limits.error_rate < inf:
             # The error of a step grows with its third power, what it may be with the first.
@@ -77,9 +84,16 @@ class StepSizes:
         wrong = factor < CAUTION / REPEATED**0.5
         good = outcome.converged and rise <= limits.stretch_rise and not wrong
         if not good:
+            if (
+                outcome.converged and not wrong and undone is not None
+                and STUBBORN * undone[1] <= rise <= TOO_MUCH * limits.stretch_rise
+            ):  # fmt: skip
+                self.h = undone[0]
+                return True
             # A share of the time left may exceed the wished size by rounding.
             if h > limits.shortest * (1.0 + 10.0 * ROUNDING):
                 self.h = h * min(0.5, max(SHRINK, factor))
+                self._undone = (h, rise)
                 return False
             return True
         if limits.error_rate < inf:

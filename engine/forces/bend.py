@@ -59,6 +59,44 @@ def _crease_share(rest: Float, corners: Float) -> Float:
     return np.asarray((SHARPEST / np.maximum(turn, SHARPEST)) ** 2)
 
 
+class FaceTurning:
+    """How faces (t, 3) at node positions x [m], shape (n, 3), turn when their nodes move.
+
+    Moving a corner out of the plane by d turns the frame by d / (2 area) times the opposite side; moving the
+    ends of the first edge across it, in the plane, turns the frame about the normal.
+    """
+
+    def __init__(self, faces: Int, x: Float) -> None:
+        corners = x[faces]
+        self._faces = faces
+        self._sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
+        self._frames = face_frames(x, faces)
+        normal = np.cross(self._sides[:, 0], self._sides[:, 1])
+        self._twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+        self._length = np.maximum(np.linalg.norm(self._sides[:, 2], axis=1), 1e-300)
+
+    def of(self, v: Float) -> Float:
+        """Return the turning of the faces [rad/s], shape (t, 3), for velocities (n, 3) [m/s] of the nodes."""
+        at_corners = v[self._faces]
+        normal = self._frames[:, :, 2]
+        rising = np.einsum("tai,ti->ta", at_corners, normal) / self._twice_area[:, None]
+        first = at_corners[:, 1] - at_corners[:, 0]
+        about_normal = np.einsum("ti,ti->t", first, self._frames[:, :, 1]) / self._length
+        return np.asarray(
+            np.einsum("ta,tai->ti", rising, self._sides) + about_normal[:, None] * normal, np.float64
+        )
+
+    def add_torques(self, torque: Float, forces: Float) -> None:
+        """Add to forces (n, 3) [N] those of a torque on each face [N m], shape (t, 3)."""
+        out_of_plane = np.einsum("ti,tai->ta", torque, self._sides) / self._twice_area[:, None]
+        element = out_of_plane[:, :, None] * self._frames[:, None, :, 2]
+        about_normal = np.einsum("ti,ti->t", torque, self._frames[:, :, 2]) / self._length
+        element[:, 1] += about_normal[:, None] * self._frames[:, :, 1]
+        element[:, 0] -= about_normal[:, None] * self._frames[:, :, 1]
+        for axis in range(3):
+            forces[:, axis] += np.bincount(self._faces.ravel(), element[:, :, axis].ravel(), len(forces))
+
+
 class Bending:
     """Quadratic bending of one mesh.
 
@@ -98,7 +136,7 @@ class Bending:
         node_count
             Number of nodes.
         topology
-            Of `faces`, where it is known already.
+            Of `faces`, where it is known already; what bends apart is no neighbour.
         pinned
             Nodes that never move, shape (n,): a face with three of them clamps the faces next to it.
         rest_positions
@@ -134,20 +172,21 @@ class Bending:
 
     @classmethod
     def for_cloth(cls, cloth: Cloth) -> "Bending":
-        """Return the bending of a cloth, with its fabrics, pins and curved rest shapes."""
-
-        def per_face(name: str) -> Float:
-            return np.array([getattr(fabric, name) for fabric in cloth.fabrics])[cloth.fabric]
-
+        """Return the bending of a cloth, with its fabrics, pins and curved rest shapes; folds are borders."""
+        per_face = cloth.per_face
         rest_positions = None
         if cloth.rest_curved.any():
             rest_positions = np.zeros_like(cloth.positions)
             rest_positions[cloth.node] = cloth.start_positions
+        topology = None
+        if cloth.folds is not None:
+            topology = cloth.folds.cut(triangle_topology(cloth.face_nodes), cloth.faces, cloth.uv)
         return cls(
             cloth.face_nodes,
             cloth.rest_corners,
             bending_tensor(per_face("bending_warp"), per_face("bending_weft"), per_face("bending_bias")),
             len(cloth.positions),
+            topology=topology,
             pinned=cloth.pinned if cloth.pinned.any() else None,
             rest_positions=rest_positions,
             rest_curved=cloth.rest_curved,
@@ -201,27 +240,13 @@ class Bending:
             rest = self._rest_derivatives(x)
             moments = np.einsum("tab,tbi->tai", self.rigidity, rest)
             forces -= self.second_derivatives.T @ moments.reshape(-1, 3)
-            self._add_turning(x, np.cross(self.second_derivatives_at(x), moments).sum(axis=1), forces)
+            torque = np.cross(self.second_derivatives_at(x), moments).sum(axis=1)
+            self.turning(x).add_torques(torque, forces)
         return forces
 
-    def _add_turning(self, x: Float, torque: Float, forces: Float) -> None:
-        """Add what turning the rest derivatives costs: `torque` [N m], shape (t, 3), on each face.
-
-        Moving a corner out of the plane by d turns the frame by d / (2 area) times the opposite side; moving
-        the ends of the first edge across it, in the plane, turns the frame about the normal.
-        """
-        corners = x[self.faces]
-        sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
-        frames = face_frames(x, self.faces)
-        twice_area = np.maximum(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1), 1e-300)
-        out_of_plane = np.einsum("ti,tai->ta", torque, sides) / twice_area[:, None]
-        element = out_of_plane[:, :, None] * frames[:, None, :, 2]
-        length = np.maximum(np.linalg.norm(sides[:, 2], axis=1), 1e-300)
-        about_normal = np.einsum("ti,ti->t", torque, frames[:, :, 2]) / length
-        element[:, 1] += about_normal[:, None] * frames[:, :, 1]
-        element[:, 0] -= about_normal[:, None] * frames[:, :, 1]
-        for axis in range(3):
-            forces[:, axis] += np.bincount(self.faces.ravel(), element[:, :, axis].ravel(), len(x))
+    def turning(self, x: Float) -> "FaceTurning":
+        """Return how the faces at x [m], shape (n, 3), turn with their nodes."""
+        return FaceTurning(self.faces, x)
 
     def curvature(self, x: Float) -> Float:
         """Return curvatures (uu, vv, uv) of each face along its normal [1/m], shape (t, 3)."""

@@ -6,9 +6,12 @@ import numpy as np
 
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fields.fields import Fields
 from toile.engine.forces.contact import PairFriction
 from toile.geometry.arrays import Float
 
+FINEST = 2
+"""Decimals to which painted friction is rounded: every value that occurs is a material of its own."""
 BODY = "body"
 """Name of the avatar's surface beside those of fabrics."""
 
@@ -16,8 +19,7 @@ BODY = "body"
 def node_thickness(cloth: Cloth) -> Float:
     """Thickness of the thickest fabric at every node [m], shape (n,)."""
     thickness = np.zeros(len(cloth.positions))
-    per_face = np.array([fabric.thickness for fabric in cloth.fabrics])[cloth.fabric]
-    np.maximum.at(thickness, cloth.face_nodes.ravel(), np.repeat(per_face, 3))
+    np.maximum.at(thickness, cloth.face_nodes.ravel(), np.repeat(cloth.per_face("thickness"), 3))
     return thickness
 
 
@@ -25,8 +27,11 @@ def pair_friction(cloth: Cloth, avatar_vertices: int, named: Mapping[frozenset[s
     """Return friction between the fabrics of a cloth and an avatar of so many vertices.
 
     `named` gives coefficients of pairs of fabrics, or of a fabric and BODY, by their names. Else a fabric has
-    its own on the body and on itself, and two fabrics have the geometric mean of theirs.
+    its own on the body and on itself, and two fabrics have the geometric mean of theirs. Where fields have
+    friction, it is theirs.
     """
+    if cloth.fields is not None and cloth.fields.names() & {"friction_body", "friction_self"}:
+        return _friction_of_fields(cloth, cloth.fields, avatar_vertices, named)
     count = len(cloth.fabrics)
     material = np.full(len(cloth.positions) + avatar_vertices, count, np.int32)
     # Of a node on the seam of two fabrics the first counts.
@@ -37,6 +42,37 @@ def pair_friction(cloth: Cloth, avatar_vertices: int, named: Mapping[frozenset[s
         for j, other in enumerate(cloth.fabrics):
             table[i, j] = named.get(frozenset((one.name, other.name)), _mean(one, other))
     return PairFriction(material, table)
+
+
+def _friction_of_fields(
+    cloth: Cloth, fields: Fields, avatar_vertices: int, named: Mapping[frozenset[str], float]
+) -> PairFriction:
+    """Return the friction of a cloth with fields: a material for every fabric and friction that occur."""
+    own = [fields.where(name) for name in ("friction_body", "friction_self")]
+    given = [np.round(cloth.per_face(name), FINEST) for name in ("friction_body", "friction_self")]
+    rows = np.column_stack(
+        [cloth.fabric, *own, *(np.where(w, g, 0.0) for w, g in zip(own, given, strict=True))]
+    )
+    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    count = len(kinds)
+    material = np.full(len(cloth.positions) + avatar_vertices, count, np.int32)
+    np.minimum.at(material, cloth.face_nodes.ravel(), np.repeat(kind.ravel().astype(np.int32), 3))
+    table = np.zeros((count + 1, count + 1))
+    for i, (fabric, on_body, on_self, body, _) in enumerate(kinds.tolist()):
+        one = cloth.fabrics[int(fabric)]
+        usual = named.get(frozenset((one.name, BODY)), one.friction_body)
+        table[i, count] = table[count, i] = body if on_body else usual
+        for j, (other_fabric, _, other_on_self, _, _) in enumerate(kinds.tolist()):
+            other = cloth.fabrics[int(other_fabric)]
+            if on_self or other_on_self:
+                table[i, j] = np.sqrt(_on_self(one, kinds[i]) * _on_self(other, kinds[j]))
+            else:
+                table[i, j] = named.get(frozenset((one.name, other.name)), _mean(one, other))
+    return PairFriction(material, table)
+
+
+def _on_self(fabric: Fabric, kind: Float) -> float:
+    return float(kind[4]) if kind[2] else fabric.friction_self
 
 
 def _mean(one: Fabric, other: Fabric) -> float:

@@ -22,6 +22,8 @@ class StepState(Protocol):
         What the step is asked to do.
     h
         Step size of every node [s], shape (n,): nodes in contact may take another stage than free ones.
+    start
+        Where nodes are as it begins [m], shape (n, 3): forces are linearised where they may be foreseen.
     """
 
     @property
@@ -31,6 +33,10 @@ class StepState(Protocol):
     @property
     def h(self) -> Float:
         """Step size of every node [s], shape (n,)."""
+
+    @property
+    def start(self) -> Float:
+        """Positions as the step begins [m], shape (n, 3)."""
 
     def velocity_at(self, x: Float) -> Float:
         """Velocities [m/s] at the end of a step that ends at positions x [m], shapes (n, 3)."""

@@ -228,6 +228,11 @@ class Membrane(ElementForce):
         self.element_gradient = np.zeros((count, 3, 3))
         self.element_hessian = np.zeros((count, 6, 3, 3))
 
+    @property
+    def damped_shape(self) -> Float:
+        """Constants of `shape` with the stiffness that damping goes by."""
+        return self.shape
+
     def energy(self, x: Float) -> float:
         """Energy [J] at node positions x [m], shape (n, 3)."""
         fill_energies(self.faces, self.shape, x, self.element_energy)

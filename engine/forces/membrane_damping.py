@@ -57,7 +57,7 @@ class MembraneDamping(ElementDamping):
     def __init__(self, membrane: Membrane, seconds: Float | float) -> None:
         """Build for damping of `seconds` times the stiffness in tension, for all faces or per face (t,)."""
         super().__init__(membrane.faces)
-        self._shape = membrane.shape
+        self._shape = membrane.damped_shape
         self._seconds = np.full(len(membrane.faces), seconds, np.float64)
 
     def evaluate(self, x: Float) -> None:

@@ -21,6 +21,8 @@ class Hessian:
         Those of elements and of single nodes, shape (slot_count, 3, 3).
     stencils
         What forces added as weighted squares, one entry per force.
+    squares
+        Vectors g, shape (n, 3), of squares (g . x)^2/2 that forces added: they join all nodes that they name.
     constant_scale
         Factor on the constant matrix, which the linear system knows.
     """
@@ -30,6 +32,7 @@ class Hessian:
         self.pattern = BlockPattern(node_count, elements)
         self.blocks: Float = self.pattern.zeros()
         self.stencils: list[ContactStencils] = []
+        self.squares: list[Float] = []
         self.constant_scale = 1.0
         self._elements = list(elements)
 
@@ -37,6 +40,7 @@ class Hessian:
         """Begin a new iteration."""
         self.blocks[:] = 0.0
         self.stencils = []
+        self.squares = []
         self.constant_scale = 1.0
 
     def add_elements(self, nodes: Int, blocks: Float) -> None:
@@ -57,6 +61,10 @@ class Hessian:
         """Add weighted squares of up to four nodes each, which need no block of their own."""
         self.stencils.append(stencils)
 
+    def add_square(self, vector: Float) -> None:
+        """Add g g^T of a vector g over all nodes [sqrt(N/m)], shape (n, 3)."""
+        self.squares.append(vector)
+
     def scale_constant(self, factor: float) -> None:
         """Multiply the constant matrix in this iteration."""
         self.constant_scale = factor
@@ -66,6 +74,8 @@ class Hessian:
         dense: Float = self.pattern.to_dense(self.blocks)
         if constant is not None:
             dense = dense + self.constant_scale * np.kron(constant, np.eye(3))
+        for vector in self.squares:
+            dense = dense + np.outer(vector, vector)
         for nodes, weights, stiffness in self.stencils:
             for row in range(len(nodes)):
                 lever = np.zeros((3, len(dense)))

@@ -1,14 +1,16 @@
 """The symmetric positive definite system of one Newton iteration, and its product with a vector.
 
-    A = diag(node_diagonal) x I3  +  B  +  s (S x I3)  +  sum_c (w_c w_c^T) x K_c
+    A = diag(node_diagonal) x I3  +  B  +  s (S x I3)  +  sum_c (w_c w_c^T) x K_c  +  sum_q g_q g_q^T
 
-B: element blocks; S: the constant scalar bending matrix; the sum: contacts. Everything that fits the
+B: element blocks; S: the constant scalar bending matrix; the sums: contacts, and squares that join all nodes
+(enclosed gas). Everything that fits the
 element pattern (the diagonal, the in-pattern part of S, contacts that touch one node or nodes of one
 element) is merged into one block matrix, which is also what preconditioners look at; only
 the outer ring of S and contacts between distant nodes stay apart. Pinned nodes keep dx = 0: their
 rows and columns become those of the identity (Baraff & Witkin 1998, section 5.3, as a projection).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -71,6 +73,7 @@ class LinearSystem:
     outer_scale : the factor of those entries.
     contacts : contacts that do not fit the pattern, their nodes by rank; weights vanish at pins.
     pinned : by rank, shape (node_count,).
+    squares : vectors g, by rank, shape (node_count, 3); they vanish at pins.
     """
 
     def __init__(self, pattern: BlockPattern, bending: csr_array | None = None) -> None:
@@ -80,6 +83,7 @@ class LinearSystem:
         self._lent = False
         self.pinned: Bool = np.zeros(pattern.node_count, dtype=np.bool_)
         self.contacts = NO_CONTACTS
+        self.squares: list[Float] = []
         self.outer_scale = 0.0
         self._inner_slots: Int = np.zeros(0, np.int32)
         self._inner_values: Float = np.zeros(0)
@@ -122,6 +126,7 @@ class LinearSystem:
         bending_scale: float = 1.0,
         contacts: ContactStencils = NO_CONTACTS,
         pinned: Bool | None = None,
+        squares: Sequence[Float] = (),
     ) -> None:
         """Set the numbers of this Newton iteration.
 
@@ -132,6 +137,7 @@ class LinearSystem:
         bending_scale : the factor s of the bending matrix.
         contacts : this iteration's contacts.
         pinned : nodes that keep dx = 0, shape (node_count,); None: no node.
+        squares : vectors g over all nodes, shape (node_count, 3), whose g g^T count.
         """
         if self._lent:
             self.blocks, self._spare, self._lent = self._spare, self.blocks, False
@@ -147,6 +153,7 @@ class LinearSystem:
             self._pin(pinned)
         elif self.pinned.any():
             self.pinned = np.zeros_like(self.pinned)
+        self.squares = [np.where(self.pinned[:, None], 0.0, g[self.pattern.order]) for g in squares]
 
     def _absorb(self, contacts: ContactStencils) -> None:
         """Add contacts that fit the pattern to the blocks; keep the others apart."""
@@ -195,6 +202,10 @@ class LinearSystem:
         energy = self.pattern.multiply(self.blocks, x, self._sums, product)
         if self.has_distant_contacts:
             energy += self.add_distant_contacts(x, product)
+        for g in self.squares:
+            along = float(np.vdot(g, x))
+            product += along * g
+            energy += along * along
         return energy
 
     @property

@@ -11,6 +11,7 @@ from toile.collide.cover import Cover
 from toile.collide.guard import safe_factors
 from toile.collide.search import ContactSearch
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.folds import pressed_radius
 from toile.engine.forces.contact import NO_MOTION, Contacts, Meeting, evaluate_contacts
 from toile.engine.forces.contact_pairs import node_thickness, pair_friction
 from toile.engine.forces.force import NodalForce
@@ -86,6 +87,9 @@ class Collisions(NodalForce):
         self.radius_body = np.empty(count + others)
         self.set_body_radius(self.least_body_radius)
         radius_self = np.minimum(np.maximum(options.radius_self, self._thickness), 0.4 * cloth.shortest_edge)
+        if cloth.folds is not None:
+            pressed = pressed_radius(cloth.folds, cloth.faces, cloth.uv, cloth.node)
+            radius_self = np.minimum(radius_self, pressed)
         self._radius_self = np.concatenate([radius_self, np.full(others, options.radius_self)])
         self.anchor = np.concatenate([anchor, np.zeros((0, 3)) if avatar is None else avatar.vertices])
         self._motion = np.zeros(count)

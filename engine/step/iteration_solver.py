@@ -113,7 +113,7 @@ class IterationSolver:
             stencils = [ContactStencils(contacts.nodes, contacts.weights, contacts.stiffness), *stencils]
         self.system.update(
             hessian.blocks, iteration.node_diagonal, contacts=joined(stencils) if stencils else NO_CONTACTS,
-            pinned=iteration.pinned, bending_scale=hessian.constant_scale,
+            pinned=iteration.pinned, bending_scale=hessian.constant_scale, squares=hessian.squares,
         )  # fmt: skip
         ahead = iteration.ahead
         if known is None:

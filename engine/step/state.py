@@ -104,10 +104,13 @@ class Instant:
         Carries the time.
     velocity
         Of the nodes [m/s], shape (n, 3).
+    start
+        Where they are [m], shape (n, 3).
     """
 
     request: StepRequest
     velocity: Float
+    start: Float
 
     @property
     def h(self) -> Float:

@@ -271,7 +271,7 @@ class ClothStepper:
     def acceleration(self, seconds: float) -> Float:
         """Acceleration without contact [m/s^2] at a time [s], shape (n, 3); zero at pins."""
         gradient = np.zeros_like(self.x)
-        now = Instant(StepRequest(h=1.0, at_rest=False, seconds=seconds), self.v)
+        now = Instant(StepRequest(h=1.0, at_rest=False, seconds=seconds), self.v, self.x)
         for force in self.forces:
             if force.begin(now, self.x):
                 force.add_gradient(self.x, gradient)
@@ -333,6 +333,10 @@ class ClothStepper:
         self.forces = [force for force in self.forces if not isinstance(force, Holds)]
         if holds is not None:
             self.forces.append(holds)
+
+    def pin(self, pinned: Bool | None) -> None:
+        """Let no force move marked nodes, shape (n,), from here on, and all others again."""
+        self.pinned = None if pinned is None or not pinned.any() else pinned
 
     def let_pass(self, ghost: Bool, avatar_ghost: Bool | None = None) -> None:
         """Let marked nodes, shape (n,), pass through each other and through marked avatar vertices.

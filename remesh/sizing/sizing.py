@@ -5,13 +5,14 @@ direction e. Source: Narain, Samii and O'Brien 2012, section 4; there the veloci
 which refines cloth that merely swings.
 """
 
-import math
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
 
 from toile.geometry.arrays import Float
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 from toile.remesh.sizing.plane_tensor import eigenvalues, gram, turned, with_eigenvalues
 from toile.remesh.sizing.row_products import row_cross, row_dot
 
@@ -45,14 +46,23 @@ class SizingOptions:
     refine_compression: float = 0.005
     aspect_min: float = 0.2
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, size_min: SupportsFloat, size_max: SupportsFloat, refine_angle: SupportsFloat = 0.3,
+            refine_velocity: SupportsFloat = 0.5, refine_compression: SupportsFloat = 0.005,
+            aspect_min: SupportsFloat = 0.2,
+        ) -> None: ...  # fmt: skip
+
     def __post_init__(self) -> None:
         """Check every field."""
         for entry in fields(self):
             value, hint = getattr(self, entry.name), _HINTS[entry.name]
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-                raise InputError(f"{entry.name} must be a finite number, got {value!r}; {hint}")
+            if not is_real(value):
+                raise InputError(f"{entry.name} must be a finite number, got {shown(value)}; {hint}")
             if value <= 0.0:
                 raise InputError(f"{entry.name} must be greater than zero, got {value:g}; {hint}")
+            object.__setattr__(self, entry.name, float(value))
         if self.aspect_min > 1.0:
             raise InputError(f"aspect_min must not exceed 1, got {self.aspect_min:g}; {_HINTS['aspect_min']}")
         if self.size_min > self.size_max:

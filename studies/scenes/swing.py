@@ -5,8 +5,8 @@ import numpy as np
 from toile.dressing.garment.fabrics import fabric
 from toile.engine.cloth.cloth import Cloth
 from toile.geometry.arrays import Float
+from toile.remesh.panel.grid import grid_mesh
 from toile.studies.scenes.scenes import sheet
-from toile.studies.scenes.spring_cloth import grid_mesh
 
 SECONDS = 1.0
 

@@ -10,8 +10,12 @@ from typing import Any
 
 import pytest
 
+import toile
+
 SCRIPTS = Path(__file__).parent / "in_blender"
 VERSION = "bpy==4.5.*"
+TOILE = Path(toile.__file__).parents[1]
+"""Where the toile under test is found."""
 Blender = Callable[..., dict[str, Any]]
 
 
@@ -58,7 +62,7 @@ def blender(bpy_folder: Path) -> Blender:
     """Return a function that runs a script in Blender 4.5; its first argument is a folder to work in."""
 
     def run(script: str, *arguments: object) -> dict[str, Any]:
-        return run_in_blender(sys.executable, [bpy_folder], script, *arguments)
+        return run_in_blender(sys.executable, [bpy_folder, TOILE], script, *arguments)
 
     return run
 

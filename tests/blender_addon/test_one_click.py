@@ -23,6 +23,18 @@ def test_one_click_dresses_a_body(found: dict[str, Any]) -> None:
     assert found["uv"] == ["UVMap"] and found["loose"] > 50 and "held_left_collar" in found["groups"]
 
 
+def test_an_unsaved_file_is_told_before_any_work(found: dict[str, Any]) -> None:
+    message, role, objects = found["unsaved"]
+    assert "save the .blend file first" in message and role == "NONE" and objects == 1
+
+
+def test_a_second_press_dresses_the_same_garment_again(found: dict[str, Any]) -> None:
+    """It is drafted anew only where the quality is another, into the same object with its settings."""
+    assert found["again"] == [["tshirt"], ["dress"]] and found["shown again"] == 1
+    assert found["other quality"] == [["tshirt"], ["draft", "dress"]]
+    assert found["kept"] == ["denim-12oz", ["Jersey"], True, "toile", True]
+
+
 def test_garment_hangs_on_the_shoulders_of_a_body_that_stands_upright(found: dict[str, Any]) -> None:
     """In Blender's axes: Z up."""
     assert 0.7 < found["low"][2] < 1.1 and 1.35 < found["high"][2] < 1.6

@@ -12,12 +12,14 @@ from tests.collide.surfaces import (
     stacked,
     vertices,
 )
+from toile.collide import bvh, candidates
 from toile.collide.avatar_surface import AvatarSurface
 from toile.collide.edge_edge import closest_parameters
 from toile.collide.search import ContactSearch
 from toile.collide.surface import surface_of
 from toile.collide.vertex_face import closest_barycentric
 from toile.geometry.arrays import Float, Int
+from toile.geometry.errors import CrowdedError
 
 RADIUS = 0.01
 Pair = tuple[int, ...]
@@ -264,3 +266,19 @@ def test_every_vertex_and_edge_has_one_owner() -> None:
     owned = np.stack([starts[owns_edge], ends[owns_edge]], axis=1)
     assert np.array_equal(np.unique(np.sort(owned, axis=1), axis=0), edges_of(faces))
     assert len(owned) == len(edges_of(faces))
+
+
+def test_more_pairs_than_memory_is_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cloth a hundred times thicker than its triangles are long: every pair is a candidate."""
+    positions, faces = sheet(12, 0.02)
+    search = ContactSearch(
+        faces, np.arange(len(positions), dtype=np.int32), None, self_contact=True, radius_self=50.0,
+        radius_body=0.0,
+    )  # fmt: skip
+    monkeypatch.setattr(bvh, "MOST_PAIRS", 10_000)
+    with pytest.raises(CrowdedError, match=r"pairs of triangles are close enough to touch.*check thickness"):
+        search.search(positions, np.full(len(positions), 0.01))
+    monkeypatch.setattr(bvh, "MOST_PAIRS", 10_000_000)
+    monkeypatch.setattr(candidates, "MOST_CANDIDATES", 10_000)
+    with pytest.raises(CrowdedError):
+        search.search(positions, np.full(len(positions), 0.01))

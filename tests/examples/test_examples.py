@@ -30,6 +30,7 @@ REDUCED: dict[str, dict[str, Any]] = {
     "own_fabric": {"edge_length": 0.04},
     "own_garment_reader": COARSE,
     "own_pattern": COARSE,
+    "pleated_skirt": {"edge_length": 0.02},
     "results_in_numpy": COARSE,
     "scene_file": {"settings": "edge_length = 0.03\n"},
     "sheet_on_sphere": {"edge": 0.04},
@@ -129,7 +130,7 @@ def results_in_numpy(result: toile.Result, folder: Path) -> None:
 def dress_mannequin(result: toile.Result, folder: Path) -> None:
     hangs(result)
     written = {path.name for path in folder.iterdir()}
-    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj"} <= written
+    assert {"dressed.glb", "preview.png", "report.json", "tshirt.ply", "tshirt.obj", "view.html"} <= written
     (shirt,) = result.garments
     height = float(np.ptp(result.avatar.vertices[:, 1]))
     assert 0.6 * height < shirt.positions[:, 1].mean() < 0.8 * height
@@ -147,6 +148,34 @@ def own_draft(result: toile.Result, _: Path) -> None:
     (skirt,) = result.garments
     assert holes(skirt) == 2
     assert skirt.positions[:, 1].min() == pytest.approx(0.29 * 1.68, abs=0.03)
+
+
+def gathered_skirt(result: toile.Result, _: Path) -> None:
+    hangs(result)
+    (skirt,) = result.garments
+    example = import_module("examples.gathered_skirt")
+    top = skirt.uv[:, 1] > skirt.uv[:, 1].max() - 1e-9
+    waist = skirt.positions[np.unique(skirt.faces[top[skirt.uv_faces]])]
+    # It stays up, gathered to the waist, and its elastic pulls as its strain around the waist has it.
+    assert waist[:, 1] == pytest.approx(skirt.uv[:, 1].max(), abs=0.03)
+    around = ConvexHull(waist[:, [0, 2]]).area
+    cut = 2.0 * np.ptp(skirt.uv[top, 0])
+    assert around < 0.6 * cut
+    theory = example.FIRM * (around / (example.TIGHT / example.FULL * cut) - 1.0)
+    assert theory > 4.0
+    assert example.tension(skirt) == pytest.approx(theory, rel=0.02)
+
+
+def pleated_skirt(result: toile.Result, _: Path) -> None:
+    hangs(result)
+    (skirt,) = result.garments
+    example = import_module("examples.pleated_skirt")
+    # All twelve pleats: three layers over each other everywhere, and the hem as far around as the band.
+    assert example.in_order(skirt) == 1.0
+    height = skirt.positions[:, 1]
+    assert height.max() - height.min() == pytest.approx(example.LENGTH, abs=0.02)
+    radius = np.linalg.norm(skirt.positions[height < height.min() + 0.05][:, [0, 2]], axis=1)
+    assert radius.max() < 1.15 * example.RADIUS
 
 
 def own_garment_reader(result: toile.Result, _: Path) -> None:
@@ -186,9 +215,10 @@ def blender_scene(mesh: tuple[Any, Any], folder: Path) -> None:
 CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
-        batch, blender_scene, compare_fabrics, dress_mannequin, layers, made_to_measure, moving_body,
-        own_draft, own_fabric, own_force, own_garment_reader, own_pattern, results_in_numpy, scene_file,
-        sheet_on_sphere,
+        batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure,
+        moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, pleated_skirt,
+        results_in_numpy,
+        scene_file, sheet_on_sphere,
     )
 }  # fmt: skip
 """Example to what is asserted of what its `main` returns and of the folder that it has written."""

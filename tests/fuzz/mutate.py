@@ -16,6 +16,7 @@ WORDS = (
     "-99999999999", "4294967295", "0.5", "x", "", '"', "true", "null", "[", "]", "{", "}", "é", "\\", "#",
     "/", "//", "[" * 3000, "9" * 5000,
 )  # fmt: skip
+LARGE = 1e300
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, 1, 2, 3, -1, 0.5, -0.5, 1e-300, 1e300, -1e300, 10**12, 2**31, 2**63, 10**400,
     float("nan"), float("inf"), "", "x", "VEC3", [], {}, [0], [[]], [0, 1], [0.0, 0.0, 0.0], {"x": 1},
@@ -108,7 +109,9 @@ def tree_changed(document: Any, random_: random.Random) -> Any:
         other, name = random_.choice(places)
         holder[key] = copy.deepcopy(other[name]) if name in other or isinstance(other, list) else 0
     elif kind == 3 and isinstance(holder[key], int | float) and not isinstance(holder[key], bool):
-        holder[key] = random_.choice((holder[key] + 1, -holder[key], holder[key] * 1000, holder[key] * 0.5))
+        # Whole numbers in files may be longer than any float.
+        half = holder[key] * 0.5 if abs(holder[key]) < LARGE else holder[key] // 2
+        holder[key] = random_.choice((holder[key] + 1, -holder[key], holder[key] * 1000, half))
     else:
         holder[key] = copy.deepcopy(random_.choice(VALUES))
     return document

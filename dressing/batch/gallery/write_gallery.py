@@ -11,6 +11,7 @@ from toile.dressing.batch.gallery.view_file import write_view
 from toile.dressing.batch.job_folder import LOGS, RESULTS
 from toile.dressing.batch.ledger import rows
 from toile.dressing.files.writers.atomic import replacing, writable_folder
+from toile.dressing.view.view_page import SCRIPTS, static
 
 NAME = "gallery"
 STATIC = Path(__file__).resolve().parent / "static"
@@ -31,10 +32,13 @@ def write_gallery(folder: Path, progress: Callable[[int], None] | None = None) -
     table = rows(folder)
     first = next(table, None)
     place = writable_folder(folder / NAME)
-    for name in ("bodies", "views"):
-        (place / name).mkdir(exist_ok=True)
+    (place / "views").mkdir(exist_ok=True)
     for page in STATIC.iterdir():
         shutil.copyfile(page, place / page.name)
+    for name in (*SCRIPTS, "viewer.css"):
+        (place / name).write_text(static(name), encoding="utf-8")
+    view = (place / "view.html").read_text(encoding="utf-8")
+    (place / "view.html").write_text(view.replace("VIEWER", static("viewer.html")), encoding="utf-8")
     summary = Summary()
     # The data are scripts: a page that is opened from disk may load those, but no other files.
     with replacing(place / "jobs.js") as temporary, open(temporary, "w", encoding="utf-8") as data:

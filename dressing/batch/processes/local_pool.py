@@ -104,6 +104,12 @@ class LocalPool:
             found.append((self._keys.pop(answer[0]), answer[1]))
             self._send_waiting()
 
+    def withdraw(self) -> list[Any]:
+        """Take back the calls that wait, and return their keys."""
+        waiting = [self._keys.pop(number) for number, _, _ in self._waiting]
+        self._waiting.clear()
+        return waiting
+
     def kill(self) -> None:
         """End the server and every call that runs; the calls count as lost."""
         if self._process is not None:

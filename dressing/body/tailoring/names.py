@@ -16,7 +16,7 @@ ANGLES = ("arm_angle", "shoulder_slope")
 FREESEWING: dict[str, Source] = {
     "chest": "chest", "waist": "waist", "hips": "hip_bone", "seat": "hip", "neck": "neck",
     "biceps": "upper_arm", "wrist": "wrist", "upperLeg": "thigh", "knee": "knee", "ankle": "ankle",
-    "head": "head",
+    "heel": "heel", "head": "head",
     "highBust": "high_bust", "underbust": "underbust", "bustSpan": "bust_span",
     "shoulderToShoulder": "shoulder_width", "shoulderToWrist": "arm_length", "inseam": "inseam",
     "shoulderSlope": "shoulder_slope", "waistBack": "waist_back", "seatBack": "hip_back",
@@ -47,7 +47,8 @@ GARMENTCODE: dict[str, Source] = {
 SEAMLY: dict[str, Source] = {
     "height": "height", "bust_circ": "chest", "waist_circ": "waist", "hip_circ": "hip",
     "highhip_circ": "hip_bone", "neck_circ": "neck", "arm_upper_circ": "upper_arm", "arm_wrist_circ": "wrist",
-    "leg_thigh_upper_circ": "thigh", "leg_knee_circ": "knee", "leg_ankle_circ": "ankle", "head_circ": "head",
+    "leg_thigh_upper_circ": "thigh", "leg_knee_circ": "knee", "leg_ankle_circ": "ankle",
+    "leg_ankle_diag_circ": "heel", "head_circ": "head",
     "highbust_circ": "high_bust", "lowbust_circ": "underbust", "bustpoint_to_bustpoint": "bust_span",
     "shoulder_tip_to_shoulder_tip_f": "shoulder_width", "arm_shoulder_tip_to_wrist": "arm_length",
     "leg_crotch_to_floor": "inseam", "bust_arc_f": lambda m, t: m.chest - t.chest_back,

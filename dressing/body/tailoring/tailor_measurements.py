@@ -17,8 +17,13 @@ KNEE = 0.6
 """Level of the knee, in heights of the crotch, as trousers are drafted."""
 ANKLES = 0.03, 0.10
 """Levels between which the ankle is narrowest, in body heights."""
-UNDERBUST = 0.03, 0.06
-"""How far below the bust the ribs are narrowest, in body heights."""
+UNDERBUST = 0.35, 0.6
+"""Where the ribs are narrowest on the way from the bust down to the waist: 0.57, 0.60 and 0.52 on three mean
+bodies."""
+HEEL_RISES = np.linspace(45.0, 60.0, 4)
+"""How steeply a tape from the heel to the instep may rise [degrees]."""
+INSIDE = np.array([0.0, 0.003, 0.003])
+"""From the corner of the heel into the foot [m]: a cut through a corner may miss it."""
 BUST_POINTS = 0.03, 0.075
 """Between which distances from the middle a bust point lies, in body heights."""
 HEAD = 0.88
@@ -31,8 +36,8 @@ class TailorMeasurements:
 
     Attributes
     ----------
-    hip_bone, knee, ankle, head, high_bust, underbust
-        Circumferences; high_bust just below the armpit.
+    hip_bone, knee, ankle, heel, head, high_bust, underbust
+        Circumferences; high_bust just below the armpit, heel over heel and instep.
     hip_bone_height, knee_height, ankle_height
         Levels above the floor.
     bust_span
@@ -50,6 +55,7 @@ class TailorMeasurements:
     hip_bone: float
     knee: float
     ankle: float
+    heel: float
     head: float
     high_bust: float
     underbust: float
@@ -75,7 +81,8 @@ def tailor_measurements(avatar: Avatar, measured: Measurements) -> TailorMeasure
     knee = KNEE * measured.crotch_height
     ankles = body.levels(ANKLES[0] * height, ANKLES[1] * height)
     ankle = min(ankles.tolist(), key=lambda level: _leg(body, level))
-    lowest, highest = (measured.chest_height - share * height for share in reversed(UNDERBUST))
+    chest, waist = measured.chest_height, measured.waist_height
+    lowest, highest = (chest - share * (chest - waist) for share in reversed(UNDERBUST))
     ribs = body.levels(lowest, highest)
     neck = 0.5 * measured.neck_width
     bust = _bust_point(body, measured.chest_height)
@@ -87,6 +94,7 @@ def tailor_measurements(avatar: Avatar, measured: Measurements) -> TailorMeasure
         hip_bone=body.trunk_girth(hip_bone),
         knee=_leg(body, knee),
         ankle=_leg(body, ankle),
+        heel=_heel(body, ankle),
         head=max(body.trunk_girth(level) for level in body.levels(HEAD * height, 0.985 * height)),
         high_bust=body.trunk_girth(measured.armpit_height - 0.004 * height),
         underbust=min(body.trunk_girth(level) for level in ribs),
@@ -114,11 +122,32 @@ def tailor_measurements(avatar: Avatar, measured: Measurements) -> TailorMeasure
 def _leg(body: MeasuredBody, level: float) -> float:
     """Girth of the left leg at a height [m]; infinite where there is none."""
     girths = [
-        section.girth
-        for section in level_cut(body.vertices, body.faces, level)
-        if section.centre[0] > body.middle and section.girth > 0.05 * body.height
+        section.girth for section in level_cut(body.vertices, body.faces, level) if _is_left(body, section)
     ]
     return max(girths, default=float("inf"))
+
+
+def _heel(body: MeasuredBody, ankle: float) -> float:
+    """Girth of the left foot over the heel and the instep: the shortest around the heel, infinite without."""
+    foot = body.vertices[(body.vertices[:, 1] < ankle) & (body.vertices[:, 0] > body.middle)]
+    if not len(foot):
+        return float("inf")
+    # The corner of the heel: farthest down and back.
+    back = foot[int((foot[:, 1] + foot[:, 2]).argmin())]
+    girths = [
+        section.girth
+        for rise in np.radians(HEEL_RISES)
+        for section in cut(
+            body.vertices, body.faces, back + INSIDE, np.array([0.0, np.cos(rise), -np.sin(rise)])
+        )
+        if _is_left(body, section)
+    ]
+    return min(girths, default=float("inf"))
+
+
+def _is_left(body: MeasuredBody, section: Section) -> bool:
+    """Whether an outline is one of a left limb, and no crumb."""
+    return bool(section.centre[0] > body.middle and section.girth > 0.05 * body.height)
 
 
 def _hull(points: Float) -> Float:

@@ -14,17 +14,12 @@ from toile.dressing.files.gltf.gltf_file import GltfFile, checked_shape
 from toile.dressing.files.gltf.gltf_pieces import GltfPiece, gltf_pieces
 from toile.dressing.files.gltf.gltf_scene import GltfScene
 from toile.dressing.files.gltf.rest_pose import Pose, bind_pose, carried, own_pose
+from toile.dressing.files.leading.standing import eased, standing
 from toile.geometry.arrays import Bool, Float
 
 Channels = dict[tuple[int, str], Channel]
 SAME = 1e-9
 """Values of two poses that differ by less are the same."""
-
-
-def eased(count: int) -> Float:
-    """Return shares of the way at `count` equal times, the first 0; the end, 1, would be the next."""
-    s = np.arange(count) / count
-    return np.asarray(s * s * (3.0 - 2.0 * s))
 
 
 def has_skeleton(path: Path) -> bool:
@@ -101,29 +96,6 @@ def joint_channels(file: GltfFile, clip: Clip, pose: Pose) -> Channels:
             is_rotation=turns,
         )  # fmt: skip
     return channels
-
-
-def standing(frames: Float, up: int) -> Float:
-    """Return frames of a body, (k, v, 3), each put where the last stands, and faced as it faces.
-
-    The lowest vertices are at one height, the middles above one place, and the turn about the vertical is the
-    one that brings vertices nearest to those of the last frame (Kabsch 1976, in the plane).
-    """
-    # Axes that make a right-handed frame with the vertical.
-    across, ahead = (up + 1) % 3, (up + 2) % 3
-    last = frames[-1]
-    middle = last.mean(axis=0)
-    a, b = last[:, across] - middle[across], last[:, ahead] - middle[ahead]
-    placed = np.empty_like(frames)
-    for index, frame in enumerate(frames):
-        own = frame.mean(axis=0)
-        x, y = frame[:, across] - own[across], frame[:, ahead] - own[ahead]
-        angle = np.arctan2((x * b - y * a).sum(), (x * a + y * b).sum())
-        cosine, sine = np.cos(angle), np.sin(angle)
-        placed[index, :, across] = middle[across] + cosine * x - sine * y
-        placed[index, :, ahead] = middle[ahead] + sine * x + cosine * y
-        placed[index, :, up] = frame[:, up] - frame[:, up].min() + last[:, up].min()
-    return placed
 
 
 def _still_weights(file: GltfFile, node: int, count: int) -> Float:

@@ -10,11 +10,16 @@ from toile.geometry.errors import InputError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary name beside a file, of the same kind; what is written there takes the file's place."""
+    """Give a temporary name beside a file, of the same kind; what is written there takes the file's place.
+
+    An OSError raised inside names the file that could not be written.
+    """
     temporary = path.with_name(f".{os.getpid()}.{path.name}")
     try:
         yield temporary
         os.replace(temporary, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -6,6 +6,7 @@ the frame before has another sample, moved by its velocities: USD interpolates b
 length, which would draw vertices of one mesh to those of another.
 """
 
+import errno
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -55,7 +56,15 @@ def write_usd(path: Path, fps: float, meshes: Sequence[UsdMesh]) -> Path:
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(last)
     with replacing(path) as temporary:
-        stage.Export(str(temporary))
+        try:
+            written = stage.Export(str(temporary))
+        except Tf.ErrorException as error:
+            # Of writing, the library tells no kinds of errors apart.
+            raise OSError(
+                errno.ENOSPC, f"USD could not write it ({' '.join(str(error).split())[:120]})"
+            ) from None
+        if not written:
+            raise OSError(errno.ENOSPC, "USD could not write it")
     return path
 
 

@@ -53,6 +53,10 @@ class Side:
     def edge(self, index: int, count: int) -> Edge:
         """Return the edge of a panel whose corner `index` is the start of this side."""
         curve: Curve = self.arc
+        if self.controls and self.start == self.end:
+            raise InputError(
+                f"the draft's edge '{self.name}' has no length; check the measurements beside it"
+            )
         relative = [relative_point(self.start, self.end, point) for point in self.controls]
         if len(relative) == 1:
             curve = Quadratic(relative[0])

@@ -140,12 +140,17 @@ def _turned(panel: Panel, degrees: float) -> Panel:
     return replace(
         panel,
         vertices=tuple((c * x - s * y, s * x + c * y) for x, y in panel.vertices),
+        lines=tuple(tuple((c * x - s * y, s * x + c * y) for x, y in line) for line in panel.lines),
         warp_degrees=warp - 180.0 * round(warp / 180.0),
     )
 
 
 def _moved(panel: Panel, x: float, y: float) -> Panel:
-    return replace(panel, vertices=tuple((px + x, py + y) for px, py in panel.vertices))
+    return replace(
+        panel,
+        vertices=tuple((px + x, py + y) for px, py in panel.vertices),
+        lines=tuple(tuple((px + x, py + y) for px, py in line) for line in panel.lines),
+    )
 
 
 def _front_or_back(flat: _Flat, pattern: Pattern, body: Measurements, bottom: bool) -> Panel:

@@ -64,13 +64,15 @@ def panels_of(piece: Piece) -> list[Panel]:
     }
     if piece.fold is None:
         panel = _panel(
-            piece.name, piece.edges, [notches[n] for n in range(len(piece.edges))], piece.warp_degrees
-        )
+            piece.name, piece.edges, [notches[n] for n in range(len(piece.edges))], piece.warp_degrees,
+            piece.lines,
+        )  # fmt: skip
         if not piece.pair:
             return [panel]
         edges = [edge[::-1] * [-1.0, 1.0] for edge in reversed(piece.edges)]
         marks = [_turned(notches[n]) for n in reversed(range(len(piece.edges)))]
-        return [panel, _panel(piece.name + MIRRORED, edges, marks, -piece.warp_degrees)]
+        twin = [line * [-1.0, 1.0] for line in piece.lines]
+        return [panel, _panel(piece.name + MIRRORED, edges, marks, -piece.warp_degrees, twin)]
     order = _drawn_order(piece)
     turn, origin, degrees = _fold_frame(piece)
     half = [(piece.edges[n] - origin) @ turn.T for n in order]
@@ -79,7 +81,9 @@ def panels_of(piece: Piece) -> list[Panel]:
     mirrored = [edge[::-1] * [-1.0, 1.0] for edge in reversed(half)]
     marks = [notches[n] for n in order]
     marks += [_turned(notches[n]) for n in reversed(order)]
-    return [_panel(piece.name, [*half, *mirrored], marks, piece.warp_degrees + degrees)]
+    lines = [(line - origin) @ turn.T for line in piece.lines]
+    lines += [line * [-1.0, 1.0] for line in lines]
+    return [_panel(piece.name, [*half, *mirrored], marks, piece.warp_degrees + degrees, lines)]
 
 
 def _fold_frame(piece: Piece) -> tuple[Float, Float, float]:
@@ -160,7 +164,13 @@ def _turned(notches: Sequence[float]) -> tuple[float, ...]:
     return tuple(1.0 - notch for notch in reversed(notches))
 
 
-def _panel(name: str, edges: Sequence[Float], notches: Sequence[tuple[float, ...]], warp: float) -> Panel:
+def _panel(
+    name: str,
+    edges: Sequence[Float],
+    notches: Sequence[tuple[float, ...]],
+    warp: float,
+    lines: Sequence[Float],
+) -> Panel:
     count = len(edges)
     return Panel(
         name=name,
@@ -174,4 +184,5 @@ def _panel(name: str, edges: Sequence[Float], notches: Sequence[tuple[float, ...
             for number, edge in enumerate(edges)
         ),
         warp_degrees=warp - 180.0 * round(warp / 180.0),
+        lines=tuple(tuple((float(x), float(y)) for x, y in line) for line in lines),
     )  # fmt: skip

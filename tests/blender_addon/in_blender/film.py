@@ -10,8 +10,6 @@ import bpy
 import numpy as np
 import small_scene as small
 
-from toile.blender_addon.snapshot import scene_folder
-
 folder = Path(sys.argv[1])
 work = folder / "work"
 work.mkdir()
@@ -23,8 +21,7 @@ before = small.points(garment.data).tobytes(), len(garment.data.polygons)
 # What the engine reads, for a run without Blender.
 engine_folder = folder / "engine"
 engine_folder.mkdir()
-for _ in scene_folder.write_scene(bpy.context, engine_folder):
-    pass
+small.write_scene(engine_folder)
 to_local = np.load(engine_folder / "My_Shawl_carried.npz")["to_local"]
 
 started = time.perf_counter()
@@ -71,8 +68,8 @@ garment.modifiers["toile"].show_viewport = False
 found["original shown"] = small.points(small.shown(garment, 3)).tobytes() == before[0]
 garment.modifiers["toile"].show_viewport = True
 found["path"] = garment.modifiers["toile"].cache_file.filepath
-found["sidecar"] = json.loads((work / "toile_scene" / "My_Shawl" / "toile.json").read_text())
-found["files"] = sorted(path.name for path in (work / "toile_scene" / "My_Shawl").iterdir())
+found["sidecar"] = json.loads((small.frames_folder(garment) / "toile.json").read_text())
+found["files"] = sorted(path.name for path in small.frames_folder(garment).iterdir())
 np.save(folder / "to_local.npy", to_local)
 
 # Every frame again in what was saved, moved and opened without the add-on.

@@ -11,7 +11,6 @@ import numpy as np
 import small_scene as small
 
 import toile.blender_addon
-from toile.blender_addon.snapshot.scene_folder import write_scene
 
 FRAMES = 8
 folder = Path(sys.argv[1])
@@ -84,8 +83,7 @@ bpy.ops.object.effector_add(type="TURBULENCE")
 bpy.context.object.hide_viewport = True
 read = folder / "read"
 read.mkdir()
-for _ in write_scene(bpy.context, read):
-    pass
+small.write_scene(read)
 table = (read / "scene.toml").read_text().partition("[air]")[2].partition("[avatar]")[0]
 found["air"] = table.strip().splitlines()
 first.rotation_euler.x = 0.0

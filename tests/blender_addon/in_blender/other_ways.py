@@ -3,6 +3,7 @@
 import json
 import sys
 import time
+from math import cos, pi, sin
 from pathlib import Path
 
 import bpy
@@ -12,7 +13,6 @@ import small_scene as small
 import toile.blender_addon
 from toile.blender_addon.dressing import dress_steps
 from toile.blender_addon.run import Current, Run
-from toile.blender_addon.snapshot.scene_folder import write_scene
 
 folder = Path(sys.argv[1])
 found: dict[str, object] = {}
@@ -66,13 +66,13 @@ garment.toile.keep_topology = False
 bpy.context.scene.toile.frame_end = 60
 Current.run = Run(dress_steps(bpy.context))
 ticks, texts, more = [], [], True
-cache = folder / "toile_scene" / "My_Shawl"
+cache = folder / "toile_scene" / "My_Shawl" / "2"
 while more:
     started = time.perf_counter()
     more = Current.run.tick()
     ticks.append(time.perf_counter() - started)
     texts.append(Current.run.text)
-    if len(list(cache.glob("*.usdc"))) >= 3 and not (cache / "My_Shawl.pc2").exists():
+    if len(list(cache.glob("*.usdc"))) >= 3:
         Current.run.cancelled = True
     time.sleep(0.02)
 Current.run = None
@@ -89,16 +89,31 @@ bpy.context.view_layer.objects.active = garment
 bpy.ops.toile.clear()
 found["cleared"] = [list(garment.modifiers), cache.exists(), len(bpy.data.cache_files)]
 
-# A degenerate face is named and selected.
+# Degenerate faces are mended, and that is said.
 bpy.context.scene.toile.mode = "DRAPE"
 corner = garment.data.polygons[9].vertices[0]
 saved = [vertex.co.copy() for vertex in garment.data.vertices]
 for vertex in garment.data.polygons[9].vertices:
     garment.data.vertices[vertex].co = garment.data.vertices[corner].co
-found["degenerate"] = message(bpy.ops.toile.dress)
-found["selected"] = [polygon.index for polygon in garment.data.polygons if polygon.select]
+found["degenerate"] = [message(bpy.ops.toile.dress), garment.toile.notes]
 for vertex, place in zip(garment.data.vertices, saved, strict=True):
     vertex.co = place
+
+# Faces of a strip with one side are named and selected.
+bpy.context.scene.toile.mode = "DRAPE"
+strip, count = [], 12
+for width in (-0.1, 0.1):
+    for index in range(count):
+        angle = 2.0 * pi * index / count
+        reach = 0.5 + width * cos(0.5 * angle)
+        strip.append((reach * cos(angle), reach * sin(angle), 1.0 + width * sin(0.5 * angle)))
+quads = [(k, k + 1, count + k + 1, count + k) for k in range(count - 1)]
+quads.append((count - 1, count, 0, 2 * count - 1))
+garment.data.clear_geometry()
+garment.data.from_pydata(strip, [], quads)
+garment.data.uv_layers.new(name="UVMap")
+found["one-sided"] = message(bpy.ops.toile.dress)
+found["selected"] = [polygon.index for polygon in garment.data.polygons if polygon.select]
 
 # A garment whose pins hold it in the body.
 bpy.data.objects.remove(garment)
@@ -116,8 +131,7 @@ found["inside shown"] = [modifier.type for modifier in inside.modifiers]
 bpy.context.scene.unit_settings.scale_length = 0.01
 centimetres = folder / "centimetres"
 centimetres.mkdir()
-for _ in write_scene(bpy.context, centimetres):
-    pass
+small.write_scene(centimetres)
 in_metres = np.load(centimetres / "Flag.npz")["vertices"]
 found["centimetres"] = [in_metres.min(axis=0).tolist(), in_metres.max(axis=0).tolist()]
 toile.blender_addon.unregister()

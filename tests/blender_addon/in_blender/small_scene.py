@@ -1,6 +1,9 @@
 """A body bent by a bone, and a sheet over it with all that a mesh can carry: small enough for a test."""
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 import numpy as np
@@ -81,6 +84,53 @@ def settings(mode: str) -> None:
     own = bpy.context.scene.toile
     own.mode, own.quality, own.size_min, own.size_max = mode, "preview", SIZE, 0.4
     own.frame_start, own.frame_end = 1, FRAMES
+
+
+def write_scene(folder: Path) -> None:
+    """Write what the engine reads."""
+    from toile.blender_addon.snapshot import cast, scene_folder
+
+    for _ in scene_folder.write_scene(bpy.context, folder, cast.casts(bpy.context)[0][0]):
+        pass
+
+
+def frames_folder(obj: bpy.types.Object) -> Path:
+    """Return the folder of the frames that an object shows."""
+    modifier = obj.modifiers["toile"]
+    path = modifier.filepath if modifier.type == "MESH_CACHE" else modifier.cache_file.filepath
+    return Path(bpy.path.abspath(path)).parent
+
+
+class Stub:
+    """Counts the runs of `stub_engine`, and notes its tasks."""
+
+    runs = 0
+    tasks: ClassVar[list[str]] = []
+
+
+def stub_engine() -> None:
+    """Let a stub stand for the engine that dresses: its n-th run gives one frame, a strip of n triangles."""
+    from toile.blender_addon import dressing
+
+    engine = dressing._spoken
+
+    def spoken(task: str, folder: Path, run: object) -> Iterator[dict[str, object] | None]:
+        from toile.blender_addon.engine_side.usd_frame import write_usd_frame
+
+        Stub.tasks.append(task)
+        if task != "dress":
+            yield from engine(task, folder, run)
+            return
+        Stub.runs += 1
+        for entry in json.loads((folder / "job.json").read_text())["garments"]:
+            strip = np.array([(0.1 * corner, corner % 2, 0.0) for corner in range(Stub.runs + 2)])
+            faces = np.add.outer(np.arange(Stub.runs), np.arange(3)).astype(np.int32)
+            write_usd_frame(Path(entry["cache"]) / f"{entry['stem']}.usdc", strip, faces, None, [])
+            (Path(entry["cache"]) / "toile.json").write_text("{}")
+        yield {"frame": 1}
+        yield {"done": {}}
+
+    dressing._spoken = spoken
 
 
 def shown(obj: bpy.types.Object, frame: int) -> bpy.types.Mesh:

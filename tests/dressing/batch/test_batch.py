@@ -10,6 +10,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,7 +19,7 @@ from tests.dressing.batch.processes import children_of, server_of
 from tests.dressing.batch.stand_in_jobs import missing, nothing, stand_in
 from toile.dressing.batch.batch import JobResult, batch, run_batch
 from toile.dressing.batch.batch_stopped import BatchStopped
-from toile.dressing.batch.job import Job
+from toile.dressing.batch.job import BadJob, Job
 from toile.dressing.batch.ledger import rows, standing
 from toile.dressing.batch.processes.isolated_call import Limits
 from toile.dressing.batch.processes.local_pool import LocalPool
@@ -115,6 +116,31 @@ def test_stop_waits_for_what_runs(play: Play, tmp_path: Path) -> None:
     assert len(play([act(f"job{k}") for k in range(3)])) == 3
 
 
+def test_stop_ends_jobs_that_wait(play: Play, tmp_path: Path) -> None:
+    """One job runs and another waits for it: the one that waits never starts."""
+    asked = False
+
+    def stop() -> bool:
+        nonlocal asked
+        asked = asked or any(tmp_path.glob("out/work/*"))
+        return asked
+
+    results = play([act(f"job{k}", "slow") for k in range(5)], workers=1, stop=stop)
+    assert [result.name for result in results] == ["job0"]
+    states = {row["name"]: row["state"] for row in rows(tmp_path / "out")}
+    assert states.pop("job0") == "done" and set(states.values()) <= {"pending"}
+
+
+def test_a_bad_job_fails_and_others_run(play: Play, tmp_path: Path) -> None:
+    jobs: list[Any] = [act("a"), BadJob("line_2", "jobs.csv, line 2: fabric must be a text, got 3"), act("b")]
+    results = by_name(play(jobs))
+    assert results["a"].outcome.state == results["b"].outcome.state == "done"
+    bad = results["line_2"].outcome
+    assert (bad.state, bad.failure_class) == ("failed", "bad_input") and "line 2: fabric" in bad.message
+    assert {row["name"]: row["state"] for row in rows(tmp_path / "out")}["line_2"] == "failed"
+    assert by_name(play(jobs))["a"].skipped
+
+
 def test_a_full_disk_stops_the_batch_and_the_same_call_goes_on(play: Play, tmp_path: Path) -> None:
     with pytest.raises(BatchStopped, match="out: the disk is full; finished jobs are kept"):
         play([act("a"), act("b", "full"), *(act(f"c{k}", "slow") for k in range(20))], workers=1)
@@ -191,6 +217,7 @@ def test_a_server_that_cannot_start_is_said(tmp_path: Path) -> None:
 SCRIPT = """
 import sys
 from pathlib import Path
+from typing import Any
 from tests.dressing.batch.conftest import act
 from tests.dressing.batch.stand_in_jobs import nothing, stand_in
 from toile.dressing.batch.batch import run_batch

@@ -93,7 +93,7 @@ def test_good_jobs_are_dressed_and_bad_ones_say_why(finished: Path) -> None:
         assert table[name]["nodes"] > 20 and table[name]["avatar_intersections"] == 0
         assert table[name]["peak_memory"] > 1e8 and table[name]["cpu_seconds"] > 0.1
         assert len(json.loads(table[name]["inputs"])) == 2
-    files = "dressed.glb job.json preview.png report.json thumbnail.png tube.obj tube.ply".split()
+    files = "dressed.glb job.json preview.png report.json thumbnail.png tube.obj tube.ply view.html".split()
     assert sorted(os.listdir(finished / "jobs/plain")) == files
     assert sorted(os.listdir(finished / "jobs")) == ["plain", "stiff"]
 

@@ -1,7 +1,5 @@
 """The pages of a batch in a real browser: cards, filters, the 3-D view, the summary."""
 
-import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,20 +8,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from toile.dressing.batch.gallery.view_file import parts_of
+from tests.dressing.browser import opened_page
 from toile.dressing.batch.gallery.write_gallery import write_gallery
 from toile.dressing.batch.ledger import Entry, Ledger
 from toile.dressing.batch.outcome import Outcome
 from toile.dressing.batch.thumbnail import smaller, write_thumbnail
 from toile.dressing.body.avatar import Avatar
-from toile.dressing.files.gltf.gltf_file import GltfFile
 from toile.dressing.files.writers.png import png_bytes, png_pixels
 from toile.dressing.garment.fabrics import fabric
 from toile.dressing.run.result import DressedGarment, dressed_glb
 from toile.geometry.errors import InputError
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-SOFTWARE_GL = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
 @pytest.fixture(scope="module")
@@ -80,21 +74,9 @@ def glb() -> bytes:
 @pytest.fixture(scope="module")
 def page(batch_folder: Path) -> Iterator[Any]:
     """A page of headless Chromium that may not reach the network."""
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    if browser is None:
-        pytest.skip("no Chromium on this machine (apt-get install chromium)")
     write_gallery(batch_folder)
-    with api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=browser, args=SOFTWARE_GL)
-        opened = chromium.new_page(viewport={"width": 1280, "height": 800})
-        opened.set_default_timeout(20_000)
-        opened.problems = []
-        opened.on("pageerror", lambda error: opened.problems.append(str(error)))
-        opened.on("console", lambda said: opened.problems.append(said.text) if said.type == "error" else None)
-        opened.context.route("http*://**", lambda route: opened.problems.append(route.request.url))
+    with opened_page() as opened:
         yield opened
-        chromium.close()
 
 
 def address(folder: Path, page: str) -> str:
@@ -161,15 +143,6 @@ def test_pages_again_take_what_is_new(batch_folder: Path) -> None:
     before = view.stat().st_mtime_ns
     assert write_gallery(batch_folder) == batch_folder / "gallery/index.html"
     assert view.stat().st_mtime_ns == before
-
-
-def test_view_keeps_shapes(tmp_path: Path) -> None:
-    path = tmp_path / "dressed.glb"
-    path.write_bytes(glb())
-    body, tube = parts_of(GltfFile(path))
-    assert (body["name"], tube["name"]) == ("body", "tube")
-    assert tube["low"] == pytest.approx([-0.9, -0.9, -0.3], abs=1e-3)
-    assert json.dumps(tube)
 
 
 def test_thumbnail_of_own_pictures() -> None:

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from toile.dressing.batch.fingerprint import UNREADABLE, Fingerprints
-from toile.dressing.batch.job import Job, job_name
+from toile.dressing.batch.job import BadJob, Job, job_name
 from toile.dressing.batch.job_grid import JobGrid, unique_names
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.avatar import Avatar
@@ -31,7 +31,7 @@ def test_a_table_of_jobs(tmp_path: Path) -> None:
     )
     jobs = JobsFile(table, {"quality": "accurate"})
     assert len(jobs) == 2
-    first, second = jobs
+    first, second = good(jobs)
     assert first.name == "first"
     assert first.scene.avatar == AvatarFile(path=tmp_path / "body.ply")
     assert [garment.source for garment in first.scene.garments] == ["tshirt", tmp_path / "coat.obj"]
@@ -50,7 +50,7 @@ def test_lines_of_json(tmp_path: Path) -> None:
         {"name": "c", "garment": [{"source": "tshirt", "fabric": "mine"}],
          "fabric": {"mine": {"like": "canvas"}}},
     ]  # fmt: skip
-    a, b, c = JobsFile(write(tmp_path / "jobs.jsonl", *map(json.dumps, lines), ""), {})
+    a, b, c = good(JobsFile(write(tmp_path / "jobs.jsonl", *map(json.dumps, lines), ""), {}))
     assert a.scene.garments[0].fabric == "canvas"
     assert b.scene.avatar == AvatarFile(path=tmp_path / "b.obj", units="cm")
     assert (b.scene.friction, b.scene.garments[0].warp_angle) == (0.2, 45)
@@ -77,9 +77,43 @@ def test_lines_of_json(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_mistakes_in_a_table(lines: list[str], message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        JobsFile(write(tmp_path / "jobs.csv", *lines), {})
-    assert message in str(caught.value) and "\n" not in str(caught.value)
+    said = ""
+    try:
+        jobs = JobsFile(write(tmp_path / "jobs.csv", *lines), {})
+        (said,) = (job.message for job in jobs if isinstance(job, BadJob))
+    except InputError as error:
+        said = str(error)
+    assert message in said and "\n" not in said
+
+
+def test_a_bad_line_does_not_stop_the_others(tmp_path: Path) -> None:
+    """What pandas writes for missing values is left out; lines at fault become jobs that have failed."""
+    lines = [
+        '{"name": "a", "avatar": null, "garment": "tshirt", "fabric": null, "max_frames": null}',
+        '{"name": "b", "garment": null}',
+        '{"name": "c", "garment": [{"source": "tshirt", "fabric": null}], "avatar": {"height": null}}',
+        '{"name": "c", "garment": "trousers"}',
+        "{]",
+        '{"name": 3, "garment": "tshirt", "friction": "rough"}',
+        '{"name": "d", "garment": "tshirt", "friction_between": [null, 3]}',
+    ]
+    jobs = list(JobsFile(write(tmp_path / "jobs.jsonl", *lines), {}))
+    assert len(jobs) == 7
+    plain, other = (job for job in jobs if isinstance(job, Job))
+    assert plain.scene == Scene(garments=["tshirt"]) and (plain.name, other.name) == ("a", "c")
+    assert other.scene == plain.scene
+    bad = {job.name: job.message for job in jobs if isinstance(job, BadJob)}
+    assert list(bad) == ["line_2", "line_4", "line_5", "line_6", "line_7"]
+    assert all(f"jobs.jsonl, line {name[5:]}: " in message for name, message in bad.items())
+    assert "the scene has no" in bad["line_2"] and "job 'c' appears twice" in bad["line_4"]
+    with pytest.raises(InputError, match=r"line 1: .*the scene has no"):
+        JobsFile(write(tmp_path / "jobs.jsonl", lines[1]), {})
+
+
+def good(jobs: JobsFile) -> list[Job]:
+    """The jobs of a file without faults."""
+    assert not any(isinstance(job, BadJob) for job in jobs)
+    return [job for job in jobs if isinstance(job, Job)]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +191,7 @@ def test_names_tell_files_apart() -> None:
     assert unique_names(["x/a.obj", "x/b.obj"]) == ["a", "b"]
     assert unique_names(["x/a.obj", "x/a.ply"]) == ["a.obj", "a.ply"]
     assert unique_names(["x/a.obj", "y/a.obj"]) == ["x_a.obj", "y_a.obj"]
-    scene = Scene(avatar="b/Body 1.ply", garments=["tshirt", Garment("c.obj", fabric="canvas")])  # type: ignore[list-item]
+    scene = Scene(avatar="b/Body 1.ply", garments=["tshirt", Garment("c.obj", fabric="canvas")])
     assert job_name(scene) == "Body_1__tshirt-c__canvas"
     with pytest.raises(InputError, match="use letters"):
         Job("../up", scene)
@@ -211,7 +245,7 @@ def test_table_says_how_bodies_are_read(tmp_path: Path) -> None:
     (tmp_path / "jobs.csv").write_text(
         "avatar,garment,front,only,without,measurements\nbody.obj,tshirt,-z,skin;face,,mine.toml\nbody.obj,trousers,,,hair*,\n"
     )
-    first, second = (job.scene for job in JobsFile(tmp_path / "jobs.csv", {}))
+    first, second = (job.scene for job in good(JobsFile(tmp_path / "jobs.csv", {})))
     assert isinstance(first.avatar, AvatarFile) and isinstance(second.avatar, AvatarFile)
     assert first.avatar.front == "-z" and first.avatar.only == ("skin", "face")
     assert second.avatar.without == ("hair*",) and second.measurements is None

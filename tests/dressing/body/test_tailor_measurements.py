@@ -39,6 +39,7 @@ def test_arcs_and_levels_lie_where_they_must(found: TailorMeasurements) -> None:
     assert measured.waist < found.underbust < measured.chest
     assert found.ankle_height < found.knee_height < measured.crotch_height < found.hip_bone_height
     assert found.ankle < found.knee < measured.thigh
+    assert 1.25 * found.ankle < found.heel < 2.0 * found.ankle
     assert 0.5 < found.head < 0.62
     assert 10.0 < np.degrees(found.shoulder_slope) < 35.0
 
@@ -52,10 +53,12 @@ def test_real_bodies_measure_as_their_tables_say(data_dir: Path, name: str) -> N
     measured = measure(body)
     ours = tailor_measurements(body, measured)
     assert 100.0 * ours.neck_to_bust == pytest.approx(known["bust_line"], abs=1.5)
-    assert 100.0 * ours.underbust == pytest.approx(known["underbust"], abs=2.1)
+    assert 100.0 * ours.underbust == pytest.approx(known["underbust"], abs=0.9)
     assert 100.0 * (measured.neck_height - measured.chest_height) == pytest.approx(
         known["vert_bust_line"], abs=1.5
     )
+    # Means of surveys are 31 cm (women) and 34 cm (men).
+    assert 0.295 < ours.heel < 0.355
     assert np.degrees(ours.shoulder_slope) == pytest.approx(known["shoulder_incl"], abs=1.5)
 
 

@@ -119,11 +119,17 @@ def test_scene_and_command(
     certificate = json.loads((out / NAME).read_text())
     assert certificate["inputs"] == {"square.obj": sha256_of(square), "body.obj": sha256_of(body)}
     assert certificate["settings"]["quality"] == "standard"
-    assert {"dressed.glb", "preview.png", "report.json", "body.ply", "square.ply", "square.obj"} == set(
-        certificate["outputs"]
-    )
+    assert {
+        "dressed.glb",
+        "preview.png",
+        "report.json",
+        "view.html",
+        "body.ply",
+        "square.ply",
+        "square.obj",
+    } == set(certificate["outputs"])
     assert main(["verify", str(out)]) == 0
-    assert "converged; 6 files and 1 shapes are as certified, 0 pairs" in capsys.readouterr().out
+    assert "converged; 7 files and 1 shapes are as certified, 0 pairs" in capsys.readouterr().out
     assert main(["verify", str(out), str(other)]) == 1
     assert capsys.readouterr().out.endswith("1 of 2 results are as certified\n")
     toile.dress(toile.Scene(avatar=body, garments=[toile.Garment(square)]), other)

@@ -23,7 +23,7 @@ from toile.dressing.run.quality import quality_preset
 from toile.dressing.run.resolved_scene import SEWING_FINENESS
 
 FakeDrapes = Callable[..., Any]
-FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply"}
+FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply", "view.html"}
 
 
 @pytest.fixture

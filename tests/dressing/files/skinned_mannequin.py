@@ -23,7 +23,7 @@ def skinned_mannequin(
     body = mannequin()
     glb = Glb()
     weights = np.zeros((len(body.vertices), 4))
-    weights[:, :3] = _weights(body.vertices)
+    weights[:, :3] = joint_weights(body.vertices)
     joints = np.tile([0, 1, 2, 0], (len(body.vertices), 1))
     mesh = glb.mesh(
         body.vertices,
@@ -55,7 +55,7 @@ def _turn(axis: str, *degrees: float) -> Float:
     return np.asarray(Rotation.from_euler(axis, np.array(degrees)[:, None], degrees=True).as_quat())
 
 
-def _weights(vertices: Float) -> Float:
+def joint_weights(vertices: Float) -> Float:
     """Return the weights of hips, left and right arm, shape (v, 3)."""
     x, y = np.abs(vertices[:, 0]) - PLACES[1, 0], vertices[:, 1] - PLACES[1, 1]
     along, across = np.sqrt(0.5) * (x - y), np.sqrt(0.5) * (x + y)

@@ -11,15 +11,10 @@ from tests.dressing.files.skinned_mannequin import FPS, skinned_mannequin
 from toile.dressing.files.gltf.animated_gltf import read_animated_gltf
 from toile.dressing.files.gltf.gltf_clip import read_clip
 from toile.dressing.files.gltf.gltf_file import GltfFile
-from toile.dressing.files.gltf.gltf_lead_in import (
-    eased,
-    has_skeleton,
-    joint_channels,
-    read_lead_in,
-    standing,
-)
+from toile.dressing.files.gltf.gltf_lead_in import has_skeleton, joint_channels, read_lead_in
 from toile.dressing.files.gltf.gltf_scene import GltfScene, matrices
 from toile.dressing.files.gltf.rest_pose import bind_pose, own_pose, parts_of
+from toile.dressing.files.leading.standing import eased, standing
 from toile.geometry.arrays import Float
 
 Y = 1

@@ -208,12 +208,56 @@ def test_mistakes_are_named(arrays: dict[str, Any], message: str, tmp_path: Path
 
 
 def test_all_faces_at_fault_are_listed(tmp_path: Path) -> None:
-    vertices, faces, _ = sheet(6, 0.5, 0.0)
-    vertices[faces[20:40].ravel()] = 0.0
-    path = write(tmp_path, vertices=vertices, faces=faces, polygon=np.arange(len(faces)) + 100)
-    with pytest.raises(InputError, match="no area") as caught:
+    """By their polygons, of which each is two triangles: a strip with one side."""
+    count = 12
+    angle = 2.0 * np.pi * np.arange(count) / count
+    reach = np.concatenate([1.0 + w * np.cos(angle / 2.0) for w in (-0.2, 0.2)])
+    height = np.concatenate([w * np.sin(angle / 2.0) for w in (-0.2, 0.2)])
+    vertices = np.column_stack([reach * np.cos(np.tile(angle, 2)), height, reach * np.sin(np.tile(angle, 2))])
+    ends = [(k, (k + 1) % count, count + k, count + (k + 1) % count) for k in range(count)]
+    ends[-1] = (count - 1, count, 2 * count - 1, 0)
+    faces = [face for a, b, c, d in ends for face in ((a, b, c), (b, d, c))]
+    path = write(tmp_path, vertices=vertices, faces=faces, polygon=np.arange(2 * count) // 2 + 100)
+    with pytest.raises(InputError, match="Moebius") as caught:
         read_mesh_garment(path)
-    assert set(range(120, 140)) <= set(caught.value.faces)
+    assert len(caught.value.faces) and set(caught.value.faces) <= set(range(100, 100 + count))
+
+
+def test_dirty_faces_are_mended_and_still_known_by_the_file(tmp_path: Path) -> None:
+    """A doubled face, a needle, and a cap on the side of another face; corners are those of the file."""
+    vertices, faces, uv = sheet(5, 0.4, 0.0)
+    a, b, c = faces[10]
+    # A vertex on the middle of one side: its face on the other side stays whole, and a cap fills the slit.
+    middle, twin = len(vertices), len(vertices) + 1
+    vertices = np.concatenate([vertices, [0.5 * (vertices[a] + vertices[b]), vertices[c]]])
+    uv = np.concatenate([uv, [0.5 * (uv[a] + uv[b]), uv[c]]])
+    split = [(a, middle, c), (middle, b, c)]
+    dirty = np.concatenate([np.delete(faces, 10, axis=0), split, [(a, b, middle), faces[3], (c, twin, b)]])
+    pins = np.zeros(len(vertices))
+    pins[[a, b, middle]] = 1.0
+    polygon = np.arange(len(dirty)) + 100
+    clean = read_mesh_garment(write(tmp_path, vertices=vertices, faces=np.delete(faces, 10, axis=0)))
+    path = write(tmp_path, vertices=vertices, faces=dirty, uv=uv, uv_faces=dirty, polygon=polygon, pins=pins)
+    read = read_mesh_garment(path)
+    count = len(faces) - 1
+    assert f"face {100 + count + 3} is left out: other faces lie there" in read.notes
+    assert f"2 faces ({100 + count + 2}, {100 + count + 4}) are mended: no area" in read.notes
+    assert read.origin is not None and clean.origin is not None
+    first, second = (read.rest_corners[:, k] - read.rest_corners[:, 0] for k in (1, 2))
+    area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    assert area.sum() == pytest.approx(0.16) and area.min() > 1e-4
+    # Coordinates of every vertex follow from those of the file's corners.
+    assert read.origin.first[-1] == len(uv)
+    assert np.allclose(read.origin.at_vertices(uv), read.uv)
+    assert np.allclose(read.origin.at_vertices(vertices), read.positions)
+    assert read.origin.face.min() >= 100 and set(read.origin.face) <= set(polygon)
+    places = {tuple(np.round(read.positions[vertex], 9) + 0.0) for vertex in read.pinned}
+    assert places == {tuple(np.round(vertices[vertex], 9) + 0.0) for vertex in (a, b, middle)}
+
+
+def test_a_file_of_faces_without_area_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no face has an area"):
+        read_mesh_garment(write(tmp_path, vertices=np.zeros((3, 3)), faces=[[0, 1, 2]]))
 
 
 def test_sewing_edge_to_a_vertex_without_a_face(tmp_path: Path) -> None:

@@ -18,10 +18,11 @@ from toile.dressing.body.measure import measure
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.garment.pattern_mesh import mesh_pattern
 from toile.dressing.pattern.drafts import built_in, built_in_names
+from toile.dressing.pattern.drafts.drafting import Side
 from toile.dressing.pattern.garmentcode import check_pattern, read_garmentcode
 from toile.dressing.pattern.garmentcode_write import write_garmentcode
 from toile.dressing.pattern.pattern import Panel, Pattern
-from toile.dressing.pattern.pattern_curve import edge_length, edge_points
+from toile.dressing.pattern.pattern_curve import edge_length, edge_points, polyline_curve
 from toile.dressing.pattern.pattern_outline import (
     default_segments,
     is_clockwise,
@@ -346,3 +347,12 @@ def test_panels_start_clear_of_real_bodies(file: str, data_dir: Path) -> None:
     form = DressForm(load_avatar(data_dir / "bodies" / file))
     for name in NAMES:
         assert_clear(form.avatar, built_in(name, form.measurements))
+
+
+def test_a_curve_from_a_point_to_itself_is_refused() -> None:
+    """A neckline of no width, as absurd measurements ask for."""
+    with pytest.raises(InputError, match="edge 'neckline' has no length; check the measurements"):
+        Side(name="neckline", start=(0.0, 1.4), end=(0.0, 1.4), controls=((0.1, 1.4), (0.1, 1.3))).edge(0, 2)
+    points = np.array([(0.1, 0.2), (0.3, 0.2), (0.1, 0.2)])
+    with pytest.raises(InputError, match=r"begins and ends in one point, \(0.1, 0.2\) m"):
+        polyline_curve(points)

@@ -1,4 +1,5 @@
 import os
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,7 @@ def test_nothing_is_written_without_an_output_folder(
     assert "tetrahedron: Recognised." in said
     written = result.save("later")
     assert {path.name for path in written} == set(os.listdir("later"))
-    assert len(written) == 5
+    assert len(written) == 6
 
 
 def test_same_scene_writes_the_same_bytes(tmp_path: Path, fake_drape: Callable[..., Any]) -> None:
@@ -74,6 +75,27 @@ def test_progress_can_cancel(fake_drape: Callable[..., Any]) -> None:
     assert [state.frame for state in seen] == [1, 2, 3]
     assert seen[-1].seconds_left is not None
     assert result.report["frames"] == 3
+
+
+def test_ctrl_c_keeps_what_is_draped(fake_drape: Callable[..., Any], tmp_path: Path) -> None:
+    """In the midst of the second frame: the result is that of a drape whose progress says stop."""
+    fake_drape()
+
+    def press(state: toile.ProgressState) -> None:
+        if state.frame == 2:
+            signal.raise_signal(signal.SIGINT)
+
+    result = toile.dress(scene(), tmp_path, press)
+    assert result.status == "cancelled" and result.report["frames"] == 2
+    assert (tmp_path / "dressed.glb").is_file() and (tmp_path / "report.json").is_file()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+    def press_twice(state: toile.ProgressState) -> None:
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        toile.dress(scene(), progress=press_twice)
 
 
 def test_fabric_of_garment_scene_and_default(fake_drape: Callable[..., Any]) -> None:

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.dressing.json_schema import misfits
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.cli.main import main
 from toile.dressing.files.writers.ply import read_own_ply
 from toile.dressing.run.air import Air
 from toile.dressing.run.dress import dress, resume
+from toile.dressing.run.output import report_schema
 from toile.dressing.run.progress import ProgressState
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
 from toile.geometry.errors import InputError
@@ -47,6 +49,7 @@ def test_every_frame_is_written_and_none_crosses(whole: Path) -> None:
     names = {f"{stem}.{number:04d}.ply" for stem in ("body", "tshirt") for number in range(FRAMES)}
     assert set(frames(whole)) == names
     report = json.loads((whole / "report.json").read_text())
+    assert not list(misfits(report, report_schema()))
     animation = report["animation"]
     assert animation["frames"] == FRAMES - 1 and animation["fps"] == 24.0
     assert animation["intersections_max"] == 0 and animation["skin_held_back_mm_max"] < 1.0
@@ -125,17 +128,17 @@ def test_wind_moves_what_follows(scene: Scene, whole: Path, tmp_path: Path) -> N
 
 def test_bad_input_leaves_a_run_that_can_be_taken_up(tmp_path: Path) -> None:
     (tmp_path / ".resume").mkdir()
-    (tmp_path / ".resume" / "scene").write_bytes(b"of a run before")
+    (tmp_path / ".resume" / "scene.npz").write_bytes(b"of a run before")
     with pytest.raises(InputError, match="garment file not found"):
         dress(Scene(garments=[Garment("missing.obj")]), tmp_path)
-    assert (tmp_path / ".resume" / "scene").read_bytes() == b"of a run before"
+    assert (tmp_path / ".resume" / "scene.npz").read_bytes() == b"of a run before"
 
 
 def test_nothing_to_take_up_and_damage_are_named(whole: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no run to resume"):
         resume(whole)
     (tmp_path / ".resume").mkdir()
-    (tmp_path / ".resume" / "scene").write_bytes(b"broken")
+    (tmp_path / ".resume" / "scene.npz").write_bytes(b"broken")
     with pytest.raises(InputError, match="is damaged"):
         resume(tmp_path)
 

@@ -9,10 +9,11 @@ import pytest
 
 from tests.dressing.files.gltf_writer import Glb
 from tests.dressing.files.skinned_mannequin import FPS, skinned_mannequin
+from toile.dressing.batch.job import Job
 from toile.dressing.batch.jobs_file import JobsFile
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.cli.main import main
-from toile.dressing.files.writers.ply import read_own_ply
+from toile.dressing.files.writers.ply import ply_bytes, read_own_ply
 from toile.dressing.run.dress import dress, resume
 from toile.dressing.run.jumps import jump_of
 from toile.dressing.run.lead_in import led_in
@@ -153,11 +154,37 @@ def test_a_pose_in_which_the_body_has_another_size_is_none(tmp_path: Path) -> No
     glb = skinned_mannequin(down=28.0, frames=3, at=(0.0, 0.0, 0.0))
     glb.json["nodes"][2]["scale"] = [0.01, 0.01, 0.01]
     glb.animate(2, "scale", [0.0, 0.1], np.ones((2, 3)))
-    assert lead_of(AvatarFile(path=glb.write(tmp_path / "a.glb"))) == 0
+    file = AvatarFile(path=glb.write(tmp_path / "a.glb"))
+    _, _, why = led_in(file, *load_dress_form(file, {}), True)
+    assert why is not None and "with its arms opened" in why
 
 
-def test_without_a_skeleton_the_first_frame_stays(tmp_path: Path) -> None:
-    assert lead_of(AvatarFile(path=hanging_rigid(tmp_path))) == 0
+def test_without_a_skeleton_the_arms_are_opened(tmp_path: Path) -> None:
+    """The lead-in ends where the clip begins, and is as long as asked."""
+    file = AvatarFile(path=hanging_rigid(tmp_path))
+    avatar, form = load_dress_form(file, {})
+    led, rest, why = led_in(file, avatar, form, True)
+    assert why is not None and "with its arms opened" in why and led.motion is not None
+    assert led.motion.lead == LEAD and avatar.motion is not None
+    assert np.array_equal(led.motion.frames[LEAD:], avatar.motion.frames)
+    assert np.degrees(rest.measurements.arm_angle) < 50.0
+    step = np.linalg.norm(np.diff(led.motion.frames[: LEAD + 1], axis=0), axis=2).max()
+    assert step < 0.06
+    assert lead_of(AvatarFile(path=file.path, lead_in=0.5)) == 12
+    assert lead_of(AvatarFile(path=file.path, lead_in="off")) == 0
+
+
+def test_a_body_that_is_one_surface_with_its_arms_keeps_its_first_frame(tmp_path: Path) -> None:
+    assert lead_of(AvatarFile(path=armless(tmp_path))) == 0
+
+
+def armless(folder: Path) -> Path:
+    """A body whose arms are gone, but for shoulders: it cannot be measured, and there is nothing to open."""
+    body = mannequin()
+    vertices = body.vertices.copy()
+    vertices[:, 0] = np.clip(vertices[:, 0], -0.18, 0.18)
+    np.savez(folder / "armless.npz", vertices=[vertices, vertices + 0.01], faces=body.faces, fps=FPS)
+    return folder / "armless.npz"
 
 
 def hanging_rigid(folder: Path) -> Path:
@@ -172,7 +199,7 @@ def hanging_rigid(folder: Path) -> Path:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda path: AvatarFile(path=hanging_rigid(path.parent), lead_in=1.0), "with a skeleton"),
+        (lambda path: AvatarFile(path=armless(path.parent), lead_in=1.0), "lead_in needs a skeleton"),
         (lambda path: AvatarFile(path=path, lead_in="on"), "lead_in must be 'off' or lie between 0 and 60 s"),
         (lambda path: AvatarFile(path=path, lead_in=0.0), "lead_in must be 'off' or lie between"),
         (lambda path: AvatarFile(path=path, lead_in=float("nan")), "lead_in must be 'off' or lie between"),
@@ -207,7 +234,7 @@ def test_scene_files_and_options_say_it(
 def test_columns_of_jobs_say_it(tmp_path: Path) -> None:
     jobs = tmp_path / "jobs.csv"
     jobs.write_text("name,avatar,garment,lead_in\na,a.glb,tshirt,0.5\nb,a.glb,tshirt,off\nc,a.glb,tshirt,\n")
-    avatars = [job.scene.avatar for job in JobsFile(jobs, {})]
+    avatars = [job.scene.avatar for job in JobsFile(jobs, {}) if isinstance(job, Job)]
     assert [avatar.lead_in for avatar in avatars if isinstance(avatar, AvatarFile)] == [0.5, "off", None]
 
 
@@ -229,3 +256,26 @@ def test_jumps_are_named_by_frames_of_the_clip() -> None:
         motion = VertexMotion(frames=body.vertices[None] + places, fps=24.0, lead=lead)
         jump = jump_of(replace(body, motion=motion))
         assert jump is not None and name in jump and "rest pose" not in jump
+
+
+def test_arms_of_a_body_that_stands_are_opened_and_closed(tmp_path: Path) -> None:
+    """Sleeves are sewn around open arms; shirt and body are then as the file has the body, in its room."""
+    glb = skinned_mannequin(down=28.0, frames=2, at=(0.0, 0.0, 0.0))
+    clip, _ = load_dress_form(AvatarFile(path=glb.write(tmp_path / "skinned.glb")), {})
+    body = replace(clip, motion=None)
+    path = tmp_path / "still.ply"
+    path.write_bytes(ply_bytes(np.add(body.vertices, (2.0, 0.0, 1.0)), body.faces))
+    said: list[str] = []
+    scene = Scene(
+        garments=[Garment("tshirt")], avatar=AvatarFile(path=path), quality="preview", edge_length=0.045,
+        remesh=False,
+    )  # fmt: skip
+    result = dress(scene, say=said.append)
+    assert result.failure is None and result.status == "converged", result.failure
+    assert result.report["intersections"] == {"avatar": 0, "self": 0, "worst_frame": 0}
+    (line,) = [line for line in said if "with its arms opened" in line]
+    assert "73 degrees below the horizontal" in line and "close again in 1 s" in line
+    away = np.linalg.norm(result.avatar.vertices - body.vertices - (2.0, 0.0, 1.0), axis=1)
+    assert away.max() < 0.02 and np.median(away) < 1e-6
+    (shirt,) = result.garments
+    assert 0.2 < np.abs(shirt.positions[:, 0] - 2.0).max() < 0.38

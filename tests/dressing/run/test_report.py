@@ -90,7 +90,7 @@ def test_json_has_no_infinities() -> None:
 def test_stages_add_up_to_the_whole_run_before_and_after_a_film() -> None:
     drape = make()
     booked = {"contact": Spent(4.0, 6.0), "avatar": Spent(1.0, 1.5)}
-    film = with_animation(drape, "converged", None, {}, booked, Spent(6.0, 9.0))
+    film = with_animation(drape, "converged", None, {}, {}, booked, Spent(6.0, 9.0))
     for report, total in ((drape, Spent(2.0, 3.0)), (film, Spent(8.0, 12.0))):
         assert (report["cpu_seconds"], report["wall_seconds"]) == total
         for clock in ("cpu", "wall"):

@@ -45,7 +45,7 @@ def test_seams_of_a_scene_file_are_sewn(form: DressForm, unsewn: Path, tmp_path:
     file.write_text(f'[[garment]]\nsource = "{unsewn.name}"\nseams = {seams!r}\n'.replace("'", '"'))
     scene = resolve(load_scene(file))
     mesh = load_garment(scene.garments[0], form, scene.sewing[0])
-    whole = load_garment(resolve(Scene(garments=["tshirt"])).garments[0], form, scene.sewing[0])  # type: ignore[list-item]
+    whole = load_garment(resolve(Scene(garments=["tshirt"])).garments[0], form, scene.sewing[0])
     assert sorted(map(tuple, mesh.stitches.tolist())) == sorted(map(tuple, whole.stitches.tolist()))
 
 

@@ -47,7 +47,7 @@ def test_the_step_has_the_derivatives_of_the_energy() -> None:
     pinned = np.arange(count) < 2
     soft = drawn(replace(cloth, pinned=pinned), generator.uniform(0.0, 200.0, count))
     x = cloth.positions + generator.normal(scale=0.02, size=(count, 3))
-    now = Instant(StepRequest(h=0.01, at_rest=False), np.zeros_like(x))
+    now = Instant(StepRequest(h=0.01, at_rest=False), np.zeros_like(x), x)
     gradients = [np.zeros_like(x), np.zeros_like(x)]
     for own, total in zip((soft, replace(soft, goals=None)), gradients, strict=True):
         for force in cloth_forces(own, options()):

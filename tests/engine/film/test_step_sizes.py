@@ -44,6 +44,24 @@ def test_a_step_that_stretches_too_much_is_undone_and_halved() -> None:
     assert sizes.h == pytest.approx(0.04)
 
 
+@pytest.mark.parametrize(
+    ("again", "kept", "size"),
+    [(0.02, True, 0.04), (0.041, False, 0.02), (0.043, True, 0.08), (0.061, False, 0.02)],
+)
+def test_a_step_whose_half_stretches_as_much_is_kept(again: float, kept: bool, size: float) -> None:
+    sizes = StepSizes(replace(LIMITS, shortest=1e-3, stretch_rise=0.02), 0.1)
+    assert not sizes.keeps(0.08, done(), 0.06)
+    assert sizes.keeps(0.04, done(), again) is kept
+    assert sizes.h == pytest.approx(size)
+
+
+def test_a_step_after_one_that_was_kept_is_judged_by_itself() -> None:
+    sizes = StepSizes(replace(LIMITS, shortest=1e-3, stretch_rise=0.02), 0.1)
+    assert not sizes.keeps(0.08, done(), 0.05)
+    assert sizes.keeps(0.04, done(), 0.05)
+    assert not sizes.keeps(0.08, done(), 0.05)
+
+
 def test_a_step_that_is_not_solved_is_undone_and_halved() -> None:
     sizes = StepSizes(LIMITS, 0.1)
     assert not sizes.keeps(0.1, done(converged=False), 0.0)

@@ -6,19 +6,37 @@ from typing import Any
 
 import numpy as np
 
+from tests.engine.forces.added.shapes import ball
+from tests.engine.forces.laws.test_stretch_laws import CURVED
 from tests.engine.forces.moving_step import MovingStep
 from tests.engine.forces.test_bend import unrolled_corners
 from tests.engine.forces.test_untangle import bump, pair
 from tests.engine.step.test_only_what_is_asked import SLACK, options, sheet
 from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
+from toile.engine.cloth.creases import Creases
+from toile.engine.cloth.fields.edge_runs import EdgeRun
+from toile.engine.cloth.fields.fields import Fields, Value
+from toile.engine.cloth.fields.gas import Gas
+from toile.engine.cloth.fields.keyed import Keyed
+from toile.engine.cloth.fields.timed_pins import TimedPins
 from toile.engine.cloth.goals import Goals
+from toile.engine.forces.added.edge_elastic import EdgeElastic
+from toile.engine.forces.added.enclosed_gas import EnclosedGas
+from toile.engine.forces.added.keyed_membrane import KeyedCurvedMembrane, KeyedMembrane
+from toile.engine.forces.added.surface_pressure import SurfacePressure
+from toile.engine.forces.added.timed_pull import TimedPull
 from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.bend import Bending, bending_tensor
 from toile.engine.forces.force import Force
 from toile.engine.forces.goal import GoalPull
 from toile.engine.forces.ground import Ground
 from toile.engine.forces.hold import Holds, SewingHolds
+from toile.engine.forces.laws.bend_damping import BendDamping
+from toile.engine.forces.laws.creasing_bending import CreasingBending
+from toile.engine.forces.laws.curved_membrane import CurvedMembrane
+from toile.engine.forces.laws.fold_hinges import FoldHinges
+from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
 from toile.engine.forces.spring import SpringDamping, Springs
@@ -27,6 +45,7 @@ from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
 from toile.engine.solve.hessian import Hessian
+from toile.engine.step.cloth_forces import cloth_forces
 from toile.engine.step.collisions import Collisions
 from toile.geometry.arrays import Float
 from toile.geometry.normals import vertex_normals
@@ -208,6 +227,112 @@ def ground() -> Case:
     return Case(Ground(0.01, np.array([1.0, 2.0, 1.5, 1.0]) * 1e-3), start, shaken(start, 1e-3))
 
 
+def elastic_of_a_hem() -> Case:
+    """Elastic along two borders of a sheet, one of them drawn out, one slack."""
+    cloth = sheet(SLACK)
+    lines = np.array([[(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], [(0.0, 1.0, 0.0), (1.0, 1.0, 0.0)]])
+    runs = tuple(
+        EdgeRun(garment=0, panel=0, lines=line[None], rest=rest, stiffness=12.0)
+        for line, rest in zip(lines, (0.7, 1.5), strict=True)
+    )
+    force = EdgeElastic.for_cloth(replace(cloth, elastic=runs))
+    assert force is not None
+    return Case(force, cloth.positions, shaken(cloth.positions, 0.01))
+
+
+def pressure() -> Case:
+    """On half of a sheet, keyed."""
+    cloth = sheet(SLACK)
+    half = (cloth.uv[cloth.faces].mean(axis=1)[:, 0] < 0.5).astype(np.int32)
+    fields = Fields(region=half, values=({}, {"pressure": Keyed((0.0, 1.0), (50.0, 150.0))}))
+    force = SurfacePressure.for_cloth(replace(cloth, fields=fields))
+    assert force is not None
+    start = shaken(cloth.positions, 0.05)
+    return Case(force, start, shaken(start, 0.02, 1), request=replace(REQUEST, seconds=0.3))
+
+
+def gas(of: Gas) -> Case:
+    """In a ball that is dented."""
+    cloth = ball(0.1, subdivisions=1)
+    (force,) = EnclosedGas.all_of(replace(cloth, gas=(of,)))
+    return Case(force, cloth.positions, shaken(cloth.positions, 0.003), exact=False)
+
+
+def timed_pull() -> Case:
+    cloth = sheet(SLACK)
+    count = len(cloth.positions)
+    pins = TimedPins(
+        stiffness=np.where(np.arange(count) % 2 > 0, 200.0, 0.0), places=cloth.positions + 0.1,
+        share=Keyed((0.0, 1.0), (1.0, 0.0)),
+    )  # fmt: skip
+    request = replace(REQUEST, seconds=0.4)
+    return Case(TimedPull(pins, cloth), cloth.positions, shaken(cloth.positions, 0.05), request=request)
+
+
+def keyed_membrane() -> Case:
+    """Its rest shape shrinks over the film: at half a second to 0.8 along the warp."""
+    cloth = sheet(replace(SLACK, compression=0.1))
+    values: dict[str, Value] = {"rest_warp": Keyed((0.0, 1.0), (1.0, 0.6)), "stretch_weft": 30.0}
+    fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=(values,))
+    force = KeyedMembrane(replace(cloth, fields=fields))
+    request = replace(REQUEST, seconds=0.5)
+    return Case(force, cloth.positions, cloth.positions * [1.1, 1.1, 1.0], request=request)
+
+
+def keyed_curved_membrane() -> Case:
+    """The same of a fabric with stretch curves and Poisson's ratio: at half a second it is half as stiff."""
+    cloth = sheet(CURVED)
+    values: dict[str, Value] = {
+        "rest_warp": Keyed((0.0, 1.0), (1.0, 0.96)), "stretch_weft": Keyed((0.0, 1.0), (600.0, 0.01)),
+    }  # fmt: skip
+    fields = Fields(region=np.zeros(len(cloth.faces), np.int32), values=(values,))
+    (force,) = (force for force in cloth_forces(replace(cloth, fields=fields), options())
+                if isinstance(force, KeyedCurvedMembrane))  # fmt: skip
+    request = replace(REQUEST, seconds=0.5)
+    x = shaken(1.02 * cloth.positions, 0.003)
+    return Case(force, cloth.positions, x, exact=False, request=request)
+
+
+def curved_membrane() -> Case:
+    """Taut along both threads, on curves that are coupled."""
+    curve = ((0.05, 1.0), (0.1, 4.0))
+    cloth = sheet(replace(SLACK, stretch_curve_warp=curve, strain_limit=0.3, poisson=0.5))
+    stretch, compression = (
+        (cloth.per_face("stretch_warp"), cloth.per_face("stretch_weft")),
+        np.ones(len(cloth.faces)),
+    )
+    laws = stretch_laws(cloth.fabrics, cloth.fabric, *stretch, compression)
+    assert laws is not None
+    force = CurvedMembrane(
+        cloth.face_nodes, cloth.rest_corners, stretch, cloth.per_face("shear"), compression, laws
+    )
+    return Case(force, cloth.positions, cloth.positions * [1.08, 1.07, 1.0])
+
+
+def bend_damping() -> Case:
+    """Its Hessian is a share of the matrix of bending, which is not its own."""
+    case = bending(curved=False)
+    assert isinstance(case.force, Bending)
+    force = BendDamping(case.force, np.full(len(case.force.faces), 0.01))
+    return replace(case, force=force, exact=False)
+
+
+def creasing_bending() -> Case:
+    """Bent beyond what it bears where the step starts."""
+    stiff = replace(SLACK, bending_warp=1.0, bending_weft=1.0, bending_bias=1.0, crease_curvature=1.0)
+    cloth = sheet(stiff)
+    cloth = replace(cloth, creases=Creases.of(cloth.fabrics, len(cloth.faces)))
+    start = rolled(cloth.uv, 0.4, 0.5)
+    return Case(CreasingBending.for_cloth(cloth), start, shaken(start, 0.03), exact=False)
+
+
+def fold_hinges() -> Case:
+    """Two triangles, turned by less than they want; their Hessian is that of Gauss and Newton."""
+    x = np.array([(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-0.9, 0.4, 0.1), (0.1, 0.6, 0.8)])
+    force = FoldHinges(np.array([(0, 1, 2, 3)], np.int32), np.array([2.0]), np.array([2.5]))
+    return Case(force, x, x, exact=False)
+
+
 def untangling() -> Case:
     """Where it was found what crosses: from there on its springs stay what they are."""
     x, faces = pair(bump(0.012))
@@ -264,6 +389,16 @@ CASES: dict[str, Callable[[], Case]] = {
     "moving goals": lambda: goal_pull(moving=True),
     "wind": wind,
     "ground": ground,
+    "elastic along edges": elastic_of_a_hem,
+    "pressure": pressure,
+    "gas": lambda: gas(Gas(garment=0, volume=5e-3)),
+    "timed pins": timed_pull,
+    "keyed membrane": keyed_membrane,
+    "keyed curved membrane": keyed_curved_membrane,
+    "curved membrane": curved_membrane,
+    "damping of bending": bend_damping,
+    "bending that creases": creasing_bending,
+    "folds": fold_hinges,
     "untangling": untangling,
     "collisions": collisions,
 }

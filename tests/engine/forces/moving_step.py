@@ -16,6 +16,10 @@ class MovingStep:
     origin: Float
 
     @property
+    def start(self) -> Float:
+        return self.origin
+
+    @property
     def h(self) -> Float:
         return np.full(len(self.origin), self.request.h)
 

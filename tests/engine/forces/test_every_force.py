@@ -12,8 +12,10 @@ import toile.engine.forces
 import toile.engine.step.collisions
 from tests.engine.forces.force_cases import CASES
 from tests.engine.forces.moving_step import MovingStep
+from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.force import Force
 from toile.engine.forces.hold import Holds
+from toile.engine.forces.laws.bend_damping import BendDamping
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.solve.hessian import Hessian
@@ -71,7 +73,8 @@ def test_hessian_is_symmetric_and_never_negative(name: str) -> None:
     case.begun()
     hessian = case.linearised(case.x)[1]
     most = np.abs(hessian).max()
-    assert most > 0.0
+    # Within a step pressure is a dead load; damping of bending adds to its matrix, which is not here.
+    assert most > 0.0 or isinstance(case.force, SurfacePressure | BendDamping)
     assert np.abs(hessian - hessian.T).max() <= 1e-12 * most
     assert np.linalg.eigvalsh(0.5 * (hessian + hessian.T)).min() >= -1e-9 * most
 
@@ -141,7 +144,9 @@ def test_collisions_meet_both_the_avatar_and_cloth_in_every_way() -> None:
 
 def test_every_class_of_forces_is_here() -> None:
     names = [
-        f"toile.engine.forces.{found.name}" for found in pkgutil.iter_modules(toile.engine.forces.__path__)
+        found.name
+        for found in pkgutil.walk_packages(toile.engine.forces.__path__, "toile.engine.forces.")
+        if not found.ispkg
     ]
     found: set[type] = set()
     for name in [*names, toile.engine.step.collisions.__name__]:

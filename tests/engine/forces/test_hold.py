@@ -13,7 +13,7 @@ def test_gradient_and_hessian_are_the_derivatives_of_the_energy() -> None:
     x = generator.normal(size=(6, 3))
     nodes = np.array([1, 4, 4], np.int32)
     holds = Holds(nodes, generator.normal(size=(3, 3)), np.array([(1, 1, 1), (0, 1, 0), (0.5, 0, 2)], float))
-    assert holds.begin(Instant(StepRequest(h=0.01, at_rest=True, hold_stiffness=STIFFNESS), x), x)
+    assert holds.begin(Instant(StepRequest(h=0.01, at_rest=True, hold_stiffness=STIFFNESS), x, x), x)
     gradient = np.zeros_like(x)
     holds.add_gradient(x, gradient)
     stencils = holds.stencils()

@@ -17,7 +17,7 @@ def scene(seed: int) -> tuple[Stitches, Float, Float]:
     request = StepRequest(
         h=0.01, at_rest=True, stitch_share=1.0, stitch_stiffness=STIFFNESS, stitch_reach=np.inf
     )
-    assert stitches.begin(Instant(request, np.zeros_like(x)), x)
+    assert stitches.begin(Instant(request, np.zeros_like(x), x), x)
     return stitches, x, length
 
 

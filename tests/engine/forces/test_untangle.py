@@ -64,7 +64,7 @@ def untangling(x: Float, faces: Int, cloth_nodes: int) -> Untangling:
     """The springs as they are at x in a step of that stiffness."""
     springs = Untangling(faces, np.arange(len(x), dtype=np.int32), cloth_nodes, x)
     request = StepRequest(h=0.01, at_rest=True, untangle_stiffness=STIFFNESS)
-    assert springs.begin(Instant(request, np.zeros_like(x)), x[:cloth_nodes])
+    assert springs.begin(Instant(request, np.zeros_like(x), x), x[:cloth_nodes])
     springs.evaluate(x)
     return springs
 

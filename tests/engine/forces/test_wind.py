@@ -22,7 +22,7 @@ STEP = StepRequest(h=0.01, at_rest=False)
 
 def blown(wind: Wind, x: Float, velocity: Float) -> Float:
     """Minus the force on cloth at x with that velocity [N], shape (n, 3)."""
-    assert wind.begin(Instant(STEP, velocity), x)
+    assert wind.begin(Instant(STEP, velocity, x), x)
     gradient = np.zeros_like(x)
     wind.add_gradient(x, gradient)
     return gradient

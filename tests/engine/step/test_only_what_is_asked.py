@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from toile.collide.search import ContactSearch
+from toile.engine.adapt import remeshing
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
+from toile.engine.cloth.fields.fields import Fields
 from toile.engine.cloth.goals import Goals
 from toile.engine.drape.drape import Drape
 from toile.engine.drape.plan import DrapePlan, Frame
@@ -24,6 +26,7 @@ from toile.engine.forces.step_request import StepRequest
 from toile.engine.forces.stitch import Stitches
 from toile.engine.forces.untangle import Untangling
 from toile.engine.forces.wind import Wind
+from toile.engine.solve.preconditioner import two_level
 from toile.engine.step import cloth_forces, cloth_run, collisions
 from toile.engine.step.cloth_forces import cloth_stepper
 from toile.engine.step.options import StepOptions
@@ -71,6 +74,11 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make everything that such a scene does not need raise."""
     for name in ("Collisions", "MembraneDamping", "SewingHolds", "Stitches", "Wind", "vertex_normals"):
         monkeypatch.setattr(cloth_forces, name, forbidden(name))
+    for name in ("EdgeElastic", "EnclosedGas", "KeyedMembrane", "SurfacePressure", "TimedPull"):
+        monkeypatch.setattr(cloth_forces, name, forbidden(name))
+    monkeypatch.setattr(Fields, "over", forbidden("Fields"))
+    monkeypatch.setattr(remeshing, "end_vertices", forbidden("runs"))
+    monkeypatch.setattr(two_level, "_Squares", forbidden("squares"))
     for name in ("ContactSearch", "Untangling", "evaluate_contacts", "safe_factors", "safe_in_motion"):
         monkeypatch.setattr(collisions, name, forbidden(name))
     monkeypatch.setattr(GoalPull, "__init__", forbidden("GoalPull"))

@@ -1,0 +1,1 @@
+"""Poses that are made of a body without a skeleton."""

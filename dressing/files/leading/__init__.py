@@ -1,0 +1,1 @@
+"""Motions that lead from a pose of rest into a clip."""

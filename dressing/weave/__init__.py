@@ -1,0 +1,1 @@
+"""Fabric from yarn: what a weave weighs, how it stretches, bends and locks."""

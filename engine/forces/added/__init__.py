@@ -1,0 +1,1 @@
+"""Forces that few garments have: elastic edges, pressure, enclosed gas, pins with times, keyed fields."""

@@ -1,0 +1,1 @@
+"""Cloth that goes on step by step while somebody plays with it."""
