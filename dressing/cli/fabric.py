@@ -15,8 +15,8 @@ def add_fabric(commands: "Commands[Parser]") -> None:
     weave = kinds.add_parser(
         "weave",
         help="a fabric from yarn count, ends and picks",
-        description="Say what a woven fabric weighs, how it stretches, bends, shears and locks, from its yarns "
-        "alone; -o writes it as a fabric of a scene file, with a picture.",
+        description="Say what a woven fabric weighs, how it stretches, bends, shears and locks, by its "
+        "yarns alone; -o writes it as a fabric of a scene file, with a picture.",
     )
     weave.add_argument(
         "--yarn", required=True, metavar="FIBRE:COUNT",

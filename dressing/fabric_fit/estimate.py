@@ -83,6 +83,8 @@ def fabric_of(measured: Measured, name: str, like: Fabric | None) -> Fabric:
                 field="--like",
             )
         return checked_fabric(Fabric(name=name, **found))
+    # A slope that was measured takes the place of a curve that was not.
+    found |= {f"stretch_curve_{way}": () for way in ("warp", "weft") if f"stretch_{way}" in found}
     return checked_fabric(replace(like, name=name, **found))
 
 

@@ -1,5 +1,6 @@
 """A measured fabric as a table for people and as a table of a scene file."""
 
+import json
 from dataclasses import fields
 
 from toile.dressing.fabric_fit.estimate import Measured
@@ -31,9 +32,10 @@ def fabric_toml(measured: Measured, fabric: Fabric) -> str:
     quoted = fabric.name.replace("\\", "\\\\").replace('"', '\\"')
     lines = [f'[fabric."{quoted}"]']
     for entry in fields(Fabric):
-        if entry.name == "name":
+        value = getattr(fabric, entry.name)
+        if entry.name == "name" or value == entry.default:
             continue
         estimate = measured.values.get(entry.name)
         remark = "" if estimate is None else f"  # +- {estimate.error:.2g}; {estimate.source}"
-        lines.append(f"{entry.name} = {getattr(fabric, entry.name)!r}{remark}")
+        lines.append(f"{entry.name} = {json.dumps(value)}{remark}")
     return "\n".join([*lines, *(f"# {note}" for note in measured.notes)]) + "\n"
