@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
+    from toile.dressing.live.live_scene import Live, live
+    from toile.dressing.live.sheet import Sheet
     from toile.dressing.pattern.drafts import register_draft
     from toile.dressing.pattern.garmentcode_write import write_garmentcode
     from toile.dressing.pattern.pattern import Edge, Fold, Panel, Pattern, Stitch
@@ -67,6 +69,7 @@ _HOME = {
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
     "Keyed": "toile.engine.cloth.fields.keyed",
+    "Live": "toile.dressing.live.live_scene",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
     "Painted": "toile.dressing.garment.fields.field",
@@ -76,6 +79,7 @@ _HOME = {
     "Result": "toile.dressing.run.result",
     "Scene": "toile.dressing.run.scene",
     "Seam": "toile.dressing.pattern.seam",
+    "Sheet": "toile.dressing.live.sheet",
     "Stitch": "toile.dressing.pattern.pattern",
     "Textured": "toile.dressing.garment.fields.field",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
@@ -84,6 +88,7 @@ _HOME = {
     "dress": "toile.dressing.run.dress",
     "fabric": "toile.dressing.garment.fabrics",
     "fabrics": "toile.dressing.garment.fabrics",
+    "live": "toile.dressing.live.live_scene",
     "load_avatar": "toile.dressing.body.avatar",
     "load_scene": "toile.dressing.run.scene_file",
     "mannequin": "toile.dressing.body.mannequin",
@@ -117,6 +122,7 @@ __all__ = [
     "Job",
     "JobResult",
     "Keyed",
+    "Live",
     "MannequinSize",
     "Measurements",
     "Painted",
@@ -126,6 +132,7 @@ __all__ = [
     "Result",
     "Scene",
     "Seam",
+    "Sheet",
     "Stitch",
     "Textured",
     "VertexMotion",
@@ -134,6 +141,7 @@ __all__ = [
     "dress",
     "fabric",
     "fabrics",
+    "live",
     "load_avatar",
     "load_scene",
     "mannequin",

@@ -20,6 +20,7 @@ toile bench [NAME ...]  error against CPU time of the scenes cantilever, swing, 
 toile bench compare OLD.json NEW.json  regressions in time or accuracy between two stored reports
 toile bench remesh      adaptive against uniform meshes
 toile bench film [walk] [skirt] [layers]  what garments on moving bodies cost, this version beside another
+toile bench live        steps of cloth that is played with, and what a hand does to it
 toile bench memory      whether the memory of a long film stays flat
 
 The exit code is 1 if a bar is missed or a point has become worse."""
@@ -29,6 +30,7 @@ OWN_OPTIONS = {
     "remesh": ("repeats", "json", "scene", "seconds"),
     "compare": ("ratio",),
     "film": ("repeats", "json", "against", "blender", "still", "avatar", "garment", "quality", "frames"),
+    "live": ("json",),
     "memory": ("frames",),
 }
 """Options that the report takes, and those of the other studies."""
@@ -98,11 +100,30 @@ def _run_bench(options: argparse.Namespace) -> int:
         return run_film(options)
     if study == "memory":
         return run_memory(options)
+    if study == "live":
+        return _run_live_bench(options)
     if study == "remesh":
         if len(options.name) > 1:
             raise InputError(f"remesh takes no names; choose scenes with --scene, not '{options.name[1]}'")
         return _run_remesh(options)
     return run_report(options)
+
+
+def _run_live_bench(options: argparse.Namespace) -> int:
+    """Measure live cloth; the exit code tells whether all bars were met."""
+    import json
+
+    from toile.studies.live.bench_live import SCENES, as_json, bench_live, live_table
+
+    _check_names("scene", options.name[1:], SCENES)
+    rows = []
+    for row in bench_live(options.name[1:] or SCENES):
+        say_progress(f"{row.scene}: {row.median:.1f} ms")
+        rows.append(row)
+    if options.json is not None:
+        options.json.write_text(json.dumps(as_json(rows), indent=2) + "\n")
+    print(live_table(rows))
+    return MISSED if any(row.missed() for row in rows) else DONE
 
 
 def _run_remesh(options: argparse.Namespace) -> int:

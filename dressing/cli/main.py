@@ -11,6 +11,7 @@ from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.fabric import add_fabric
 from toile.dressing.cli.fit import add_fit
+from toile.dressing.cli.live import add_live
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
     BAD_INPUT,
@@ -136,6 +137,7 @@ def command_parser() -> argparse.ArgumentParser:
     add_verify(commands)
     add_pattern(commands)
     add_view(commands)
+    add_live(commands)
     add_batch(commands)
     add_bench(commands)
     add_stress(commands)
@@ -199,7 +201,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         metavar="WORD",
         dest="formats",
         help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
-        "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
+        "xdmf, msh (Gmsh) or inp (Abaqus); films too as glb (one animated file) or mdd; repeat for more",
     )
     dress.add_argument(
         "--fit", action="store_true",

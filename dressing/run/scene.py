@@ -280,14 +280,14 @@ class Scene:
     friction
         Coulomb coefficient against the avatar for all garments; None takes each fabric's.
     friction_between
-        Coulomb coefficients of pairs, by the names of two fabrics that are worn, or of one and "body": say,
-        {("denim-12oz", "body"): 0.5}. Else each fabric has its own on the body and on itself, and two fabrics
-        have the geometric mean of theirs.
+        Coulomb coefficients of pairs of fabrics that are worn, or of one and "body": {("denim-12oz", "body"):
+        0.5}. Else each has its own on the body and on itself, and two have the geometric mean of theirs.
     air
         Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
-        strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
+        strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only). Of films: "glb",
+        one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
     fit, certificate

@@ -57,7 +57,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: still air or wind on garments that follow a moving body"),
-        "formats": (list, "formats of garments in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
+        "formats": (list, "formats in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp; of films: glb, mdd"),
         "fit": (str, "maps: write how garments fit; checked: with error bars, by a second mesh"),
         "certificate": (bool, "true: write certificate.json, which toile verify checks"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),

@@ -156,7 +156,7 @@ class LiveCloth(ClothRun):
         weight = float(self.cloth.mass.sum()) * self.stepper.options.gravity
         softest = min(fabric.stretch_warp, fabric.stretch_weft)
         self.hand.grip(held, self.stepper.x, self.cloth.node_area, force)
-        # What hangs on one hand stretches by its own weight, however gently it is pulled; and what is stretched
+        # What hangs on one hand stretches by its own weight, however gently it is pulled; what is stretched
         # already, as a garment that is worn, by a little more.
         self.hand.bear(max(BEARABLE + weight / (2.0 * radius * softest), self.frame.stretch + MORE))
 

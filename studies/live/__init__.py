@@ -1,0 +1,1 @@
+"""What steps of live cloth cost, and what a hand does to it."""
