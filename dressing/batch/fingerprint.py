@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from toile.dressing.certificate.input_files import files_of
 from toile.dressing.run.garment_source import built_in_name
-from toile.dressing.run.output.input_files import files_of
 from toile.dressing.run.scene import Garment, Scene
 
 UNREADABLE = "unreadable"

@@ -14,8 +14,8 @@ from toile.dressing.batch.job_folder import RESULTS, put_in_place, work_folder
 from toile.dressing.batch.outcome import Outcome
 from toile.dressing.batch.pool import Pool
 from toile.dressing.batch.processes.isolated_call import Ended, Limits
+from toile.dressing.certificate.input_files import files_of
 from toile.dressing.run.garment_source import built_in_name
-from toile.dressing.run.output.input_files import files_of
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
 
 

@@ -3,18 +3,20 @@
 import argparse
 from pathlib import Path
 
+from toile.dressing.cli.fabric_fit import add_fabric_fit
 from toile.dressing.cli.parser import DONE, Commands, Parser
 
 
 def add_fabric(commands: "Commands[Parser]") -> None:
     """Add the fabric command."""
-    fabric = commands.add_parser("fabric", help="make a fabric: from yarns and a weave")
+    fabric = commands.add_parser("fabric", help="make a fabric of measurements or yarns")
     kinds = fabric.add_subparsers(dest="kind", required=True)
+    add_fabric_fit(kinds)
     weave = kinds.add_parser(
         "weave",
         help="a fabric from yarn count, ends and picks",
-        description="Say what a woven fabric weighs, how it stretches, bends, shears and locks, from its yarns "
-        "alone; -o writes it as a fabric of a scene file, with a picture.",
+        description="Say what a woven fabric weighs, how it stretches, bends, shears and locks, by its "
+        "yarns alone; -o writes it as a fabric of a scene file, with a picture.",
     )
     weave.add_argument(
         "--yarn", required=True, metavar="FIBRE:COUNT",

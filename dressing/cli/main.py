@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from toile.dressing.cli.batch import add_batch
 from toile.dressing.cli.bench import add_bench, add_stress
 from toile.dressing.cli.fabric import add_fabric
+from toile.dressing.cli.fit import add_fit
 from toile.dressing.cli.live import add_live
 from toile.dressing.cli.measure import add_measure
 from toile.dressing.cli.parser import (
@@ -29,6 +30,7 @@ from toile.dressing.cli.parser import (
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
 from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
+from toile.dressing.cli.verify import add_verify
 from toile.dressing.cli.view import add_view
 from toile.geometry.errors import InputError
 
@@ -129,8 +131,10 @@ def command_parser() -> argparse.ArgumentParser:
     _add_measurements(patterns)
     patterns.set_defaults(run=_run_patterns)
 
-    add_measure(commands)
     add_fabric(commands)
+    add_measure(commands)
+    add_fit(commands)
+    add_verify(commands)
     add_pattern(commands)
     add_view(commands)
     add_live(commands)
@@ -199,6 +203,18 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
         "xdmf, msh (Gmsh) or inp (Abaqus); films too as glb (one animated file) or mdd; repeat for more",
     )
+    dress.add_argument(
+        "--fit", action="store_true",
+        help="write how garments fit: fit.json, fit.png and meshes with pressure, strain, tension and ease",
+    )  # fmt: skip
+    dress.add_argument(
+        "--check", action="store_true",
+        help="--fit with error bars: the garments are draped once more on another mesh",
+    )  # fmt: skip
+    dress.add_argument(
+        "--certificate", action="store_true", default=None,
+        help="write certificate.json, by which toile verify checks the result again",
+    )  # fmt: skip
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
     dress.add_argument("-o", "--output", type=Path, metavar="OUTDIR", help="output folder")

@@ -31,9 +31,12 @@ def scene_of(options: argparse.Namespace) -> "Scene":
             "max_frames",
             "formats",
             "ground",
+            "certificate",
         )
         if (value := getattr(options, name)) is not None
     }
+    if options.fit or options.check:
+        given["fit"] = "checked" if options.check else "maps"
     reading = reading_of(options)
     if options.lead_in is not None:
         reading["lead_in"] = options.lead_in

@@ -37,12 +37,16 @@ BACKDROP_TOP, BACKDROP_BOTTOM = (0.885, 0.890, 0.900), (0.965, 0.960, 0.950)
 
 
 class PreviewMesh(NamedTuple):
-    """Something to draw: positions [m] (n, 3), faces (t, 3), sRGB colour, and whether it is cloth."""
+    """Something to draw: positions [m] (n, 3), faces (t, 3), sRGB colour, and whether it is cloth.
+
+    `shades` are colours of its faces instead of one for all: sRGB of each colour, and its number per face.
+    """
 
     positions: Float
     faces: Int
     colour: tuple[float, float, float]
     double_sided: bool = False
+    shades: tuple[Sequence[tuple[float, float, float]], Int] | None = None
 
 
 class _Model(NamedTuple):
@@ -103,16 +107,19 @@ def _on_screen(camera: _Camera, positions: Float) -> Float:
 
 def _joined(meshes: Sequence[PreviewMesh]) -> _Model:
     """Return the meshes as one model; the wrong side of cloth is a little darker and greyer."""
-    positions, normals, faces, material, colours = [], [], [], [], []
+    positions, normals, faces, material = [], [], [], []
+    colours: list[list[float]] = []
     count = 0
-    for index, mesh in enumerate(PreviewMesh(*mesh) for mesh in meshes):
+    for mesh in (PreviewMesh(*mesh) for mesh in meshes):
         positions.append(np.asarray(mesh.positions, dtype=np.float64))
         normals.append(drawn_normals(positions[-1], mesh.faces))
         faces.append(np.asarray(mesh.faces, dtype=np.int64) + count)
-        material.append(np.full(len(mesh.faces), index, dtype=np.int32))
-        right = np.array(linear(mesh.colour))
-        wrong = 0.62 * (0.75 * right + 0.25 * right.mean())
-        colours.append([*right, *wrong, float(mesh.double_sided)])
+        shades, of_face = mesh.shades or ([mesh.colour], np.zeros(len(mesh.faces), np.int32))
+        material.append(np.asarray(of_face + len(colours), dtype=np.int32))
+        for shade_of in shades:
+            right = np.array(linear(shade_of))
+            wrong = 0.62 * (0.75 * right + 0.25 * right.mean())
+            colours.append([*right, *wrong, float(mesh.double_sided)])
         count += len(positions[-1])
     return _Model(
         np.concatenate(positions),

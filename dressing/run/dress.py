@@ -1,9 +1,12 @@
 """From a scene to dressed garments: load, mesh, drape, write."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toile.dressing.files.writers.atomic import writable_folder
+from toile.dressing.files.writers.atomic import writable_folder, write_atomic
+from toile.dressing.files.writers.ply import ply_bytes
+from toile.dressing.fit.fit_words import CHECKED
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
 from toile.dressing.run.listener import Listener, Say
@@ -12,16 +15,19 @@ from toile.dressing.run.output.result_view import save_view
 from toile.dressing.run.progress import Progress
 from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
-from toile.dressing.run.result import Record, Result, save_report, save_shapes
-from toile.dressing.run.scene import Scene
+from toile.dressing.run.result import Record, Result, file_stem, save_report, save_shapes
+from toile.dressing.run.scene import OFF, Scene
 from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import now, together
 
 if TYPE_CHECKING:
+    from toile.dressing.fit.worn import Worn
     from toile.engine.film.plan import FilmState
 
 FOLLOWS = ("converged", "frame_limit")
-"""States of a drape after which garments follow an avatar that moves."""
+"""States of a drape after which garments follow an avatar that moves, and after which their fit is read."""
+CHECK_EDGES = 1.3
+"""Edges of the mesh of a second drape, whose difference is the error bar of a fit, in those of the first."""
 
 
 def dress(
@@ -111,14 +117,19 @@ def _to_the_end(
     )  # fmt: skip
     if scene.air is not None and hung.body.motion is None:
         listener.say("air acts only on garments that follow a moving body; this body stands still")
+    last: FilmState | None = None
     if hung.body.motion is not None and result.status in FOLLOWS:
-        result = _followed(scene, hung, checkpoint, listener, state)
+        result, last = _followed(scene, hung, checkpoint, listener, state)
     else:
         listener.record(0, result.garments)
     if checkpoint is not None:
         save_shapes(checkpoint.output, result.avatar, result.garments, scene.formats)
         save_report(checkpoint.output, result.report)
         save_view(checkpoint.output, result)
+        if scene.fit != OFF:
+            _write_fit(scene, hung, last, result, checkpoint.output, listener)
+        if scene.certificate:
+            _certify(scene, result, checkpoint.output)
         if result.status != "cancelled":
             checkpoint.end()
     return result
@@ -130,8 +141,8 @@ def _followed(
     checkpoint: Checkpoint | None,
     listener: Listener,
     state: "FilmState | None",
-) -> Result:
-    """Return the result of hung garments that follow their avatar, with the film of it written."""
+) -> "tuple[Result, FilmState]":
+    """Return the result of hung garments that follow their avatar, its film written, and its last state."""
     from toile.dressing.run.follow import follow
     from toile.dressing.run.output.film_files import write_film
 
@@ -156,7 +167,73 @@ def _followed(
         hung.report, status, followed.failure, followed.figures, followed.end, stages,
         now().less(started),
     )  # fmt: skip
-    return Result(
+    result = Result(
         status=status, report=report, avatar=followed.avatar, garments=followed.garments,
         failure=followed.failure,
+    )  # fmt: skip
+    return result, followed.last
+
+
+def _write_fit(
+    scene: ResolvedScene, hung: Hung, last: "FilmState | None", result: Result, folder: Path,
+    listener: Listener,
+) -> None:  # fmt: skip
+    """Write how garments fit as they hang, or at the end of their film."""
+    from toile.dressing.fit.at_rest import at_rest
+    from toile.dressing.fit.findings import fit_sentences
+    from toile.dressing.fit.fit_files import write_fit
+
+    if result.status not in FOLLOWS:
+        listener.say(f"no fit: the drape is {result.status}")
+        return
+    check = None
+    if scene.fit == CHECKED and last is None:
+        listener.say("draping once more on another mesh, for the error bars of the fit")
+        again = hang(scene.on_another_mesh(CHECK_EDGES), None, Listener())
+        check = at_rest(_worn(again)) if again.drape.status in FOLLOWS else None
+    if scene.fit == CHECKED and check is None:
+        why = "garments follow a body in motion" if last is not None else "the second drape failed"
+        listener.say(f"no error bars of the fit: {why}")
+    worn = _worn(hung)
+    if last is None:
+        worn = at_rest(worn)
+    elif last.avatar is not None:
+        worn = replace(worn, cloth=last.cloth, anchors=last.anchors, vertices=last.avatar)
+    tables = write_fit(folder, worn, [file_stem(garment.name) for garment in result.garments], check)
+    for sentence in fit_sentences(tables):
+        listener.say(sentence)
+
+
+def _certify(scene: ResolvedScene, result: Result, folder: Path) -> None:
+    """Write the body as the garments meet it, and the certificate of all that is written."""
+    from toile.dressing.certificate.certificate import CertifiedGarment, write_certificate
+
+    avatar = result.avatar
+    write_atomic(folder / "body.ply", ply_bytes(avatar.to_source(avatar.vertices), avatar.faces))
+    write_certificate(
+        folder, scene, result.report,
+        [
+            CertifiedGarment(
+                file_stem(garment.name), 0 if garment.trims is None else len(garment.trims.faces)
+            )
+            for garment in result.garments
+        ],
+    )  # fmt: skip
+
+
+def _worn(hung: Hung) -> "Worn":
+    """Return hung garments as fit is read off them."""
+    from toile.dressing.body.dress_form import DressForm
+    from toile.dressing.fit.worn import Worn, WornGarment
+
+    measured = DressForm(hung.body).measured
+    return Worn(
+        cloth=hung.drape.cloth, anchors=hung.drape.anchors, step=hung.drape.step,
+        vertices=hung.body.vertices, faces=hung.body.faces,
+        measured=None if isinstance(measured, InputError) else measured,
+        avatar=hung.avatar, place=hung.place,
+        garments=tuple(
+            WornGarment(name=garment.name, fabric=garment.fabric.name, panels=garment.panel_names)
+            for garment in hung.garments
+        ),
     )  # fmt: skip

@@ -49,7 +49,8 @@ class Followed:
 
     `end` are the figures of the garments at its end, by keys of the report.
 
-    `count` is the number of the film's frames: none where its lead-in failed.
+    `count` is the number of the film's frames: none where its lead-in failed. `last` is the
+    state at its end, in the body's frame.
     """
 
     garments: tuple[DressedGarment, ...]
@@ -60,6 +61,7 @@ class Followed:
     end: dict[str, Any]
     stages: dict[str, Spent]
     count: int
+    last: FilmState
 
 
 def follow(
@@ -128,7 +130,7 @@ def follow(
         garments=shown.garments, avatar=replace(hung.avatar, vertices=shown.skin),
         failure=_failure(made, shown.crossing, motion), cancelled=made.cancelled,
         figures=_figures(made, motion), end=_end_figures(made, film, shown, hung),
-        stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0),
+        stages=clock.spent, count=max(len(made.crossings) - motion.lead, 0), last=film.state(),
     )  # fmt: skip
 
 

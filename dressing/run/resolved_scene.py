@@ -1,7 +1,7 @@
 """A scene with every choice made: presets looked up, names found, defaults filled in."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from toile.dressing.body.avatar import Avatar
@@ -15,7 +15,7 @@ from toile.dressing.pattern.sewing_edges import SewingEdges, sewing_edges
 from toile.dressing.run.garment_source import GarmentSource, checked_source, default_name
 from toile.dressing.run.quality import Quality, quality_preset
 from toile.dressing.run.result import file_stem
-from toile.dressing.run.scene import AvatarFile, AvatarSource, Garment, MannequinSize, Scene
+from toile.dressing.run.scene import OFF, AvatarFile, AvatarSource, Garment, MannequinSize, Scene
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.forces.air_flow import AirFlow
 from toile.geometry.errors import InputError, about
@@ -98,7 +98,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats, ground
+    formats, ground, fit, certificate
         As in `Scene`.
     """
 
@@ -117,6 +117,18 @@ class ResolvedScene:
     air: AirFlow | None
     formats: Sequence[str]
     ground: bool | float
+    fit: str = OFF
+    certificate: bool = False
+
+    def on_another_mesh(self, factor: float) -> "ResolvedScene":
+        """Return the same scene in triangles longer by a factor."""
+        edge_length, sizing = factor * self.edge_length, self.sizing
+        if sizing is not None:
+            sizing = replace(
+                sizing, size_min=factor * sizing.size_min, size_max=factor * sizing.size_max,
+                refine_angle=factor * sizing.refine_angle,
+            )  # fmt: skip
+        return replace(self, edge_length=edge_length, sizing=sizing, sewing=_sewing(sizing, edge_length))
 
 
 def resolve(scene: Scene) -> ResolvedScene:
@@ -160,6 +172,8 @@ def resolve(scene: Scene) -> ResolvedScene:
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
         ground=scene.ground,
+        fit=scene.fit,
+        certificate=scene.certificate,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
+from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -34,8 +35,7 @@ from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import is_real, real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
 
-OFF = "off"
-"""The `lead_in` of an avatar that has none."""
+OFF = "off"  # the `lead_in` of an avatar that has none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,9 +280,8 @@ class Scene:
     friction
         Coulomb coefficient against the avatar for all garments; None takes each fabric's.
     friction_between
-        Coulomb coefficients of pairs, by the names of two fabrics that are worn, or of one and "body": say,
-        {("denim-12oz", "body"): 0.5}. Else each fabric has its own on the body and on itself, and two fabrics
-        have the geometric mean of theirs.
+        Coulomb coefficients of pairs of fabrics that are worn, or of one and "body": {("denim-12oz", "body"):
+        0.5}. Else each has its own on the body and on itself, and two have the geometric mean of theirs.
     air
         Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
     formats
@@ -291,6 +290,8 @@ class Scene:
         one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
+    fit, certificate
+        "maps" or "checked" (with error bars) writes how garments fit; True writes certificate.json.
     """
 
     garments: Sequence[Garment]
@@ -308,6 +309,8 @@ class Scene:
     air: Air | None = None
     formats: Sequence[str] = ()
     ground: bool | float = True
+    fit: str = "off"
+    certificate: bool = False
 
     if TYPE_CHECKING:
 
@@ -316,9 +319,9 @@ class Scene:
             avatar: AvatarSource | str | Path | None = None,
             measurements: Measurements | Mapping[str, Any] | str | Path | None = None,
             fabric: str | Fabric | None = None, fabrics: Mapping[str, Fabric] = ...,
-            quality: str = "standard", edge_length: SupportsFloat | None = None,
+            quality: str = "standard", edge_length: SupportsFloat | None = None, fit: str = "off",
             remesh: bool | SizingOptions = True, max_frames: SupportsIndex | None = None,
-            gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None,
+            gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None, certificate: bool = False,
             friction_between: Mapping[tuple[str, str], SupportsFloat] = ..., air: Air | None = None,
             formats: str | Sequence[str] = (), ground: bool | SupportsFloat = True,
         ) -> None: ...  # fmt: skip
@@ -339,6 +342,7 @@ class Scene:
         check_fabrics(self.fabrics)
         checked_text(self.quality, "quality")
         quality_preset(self.quality)
+        check_fit(self.fit)
         formats: str | Sequence[str] = self.formats
         _set(self, formats=checked_formats([formats] if isinstance(formats, str) else formats))
         for name, low, high, unit in NUMBERS:

@@ -58,6 +58,8 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: still air or wind on garments that follow a moving body"),
         "formats": (list, "formats in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp; of films: glb, mdd"),
+        "fit": (str, "maps: write how garments fit; checked: with error bars, by a second mesh"),
+        "certificate": (bool, "true: write certificate.json, which toile verify checks"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
@@ -127,6 +129,10 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
     "fabric": FABRIC_KEYS,
 }
 """Table name to key to (accepted types, meaning)."""
+PLAIN_KEYS = (
+    "quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats", "fit", "certificate",
+)  # fmt: skip
+"""Keys of the top level that a Scene takes as they are."""
 FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in")
 """Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
@@ -185,11 +191,7 @@ class _SceneReader:
         )
         if "default_fabric" in data:
             self._check_fabric_name(data["default_fabric"], own, ("default_fabric",))
-        plain = {
-            key: data[key]
-            for key in ("quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats")
-            if key in data
-        }
+        plain = {key: data[key] for key in PLAIN_KEYS if key in data}
         tables: dict[str, Any] = {
             "friction_between": self._friction_between(data.get("friction_between", [])),
             "avatar": self._avatar(data.get("avatar", {})),

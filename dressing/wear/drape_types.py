@@ -237,8 +237,8 @@ class DrapeOutcome:
     """A drape's end: status, why it failed if it did, figures, garments in scene order, repairs made.
 
     `gave_up`: its seams jammed, and on another mesh they may not; `work`: faces times Newton iterations until
-    it settled. `cloth`, `step` and `pin_motion` are what a
-    film continues with.
+    it settled. `cloth`, `step` and `pin_motion` are what a film continues with; `anchors` are where friction
+    holds the nodes of the cloth [m], shape (n, 3).
     """
 
     status: Status
@@ -251,3 +251,4 @@ class DrapeOutcome:
     gave_up: bool = False
     work: int = 0
     pin_motion: VertexMotion | None = None
+    anchors: Float | None = None

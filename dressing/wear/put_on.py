@@ -251,6 +251,7 @@ def _outcome(
         garments=taken_apart(run.cloth, [mesh.trims for mesh in meshes]),
         cloth=run.cloth, step=run.plan.step, notes=notes,
         gave_up=record.gave_up, work=record.work, pin_motion=pin_motion(meshes, run.cloth.origin),
+        anchors=run.anchors(),
     )  # fmt: skip
 
 

@@ -99,7 +99,7 @@ class Simulation(ClothRun):
         stepper = self.stepper
         return FilmState(
             cloth=self.cloth, memory=stepper.memory,
-            anchors=self._anchors(),
+            anchors=self.anchors(),
             avatar=self.body()[0],
             poses={} if self.path is None else dict(self.path.poses),
             meshed_at=self._meshed_at, longest_step=self._sizes.h, record=deepcopy(self.record),
@@ -113,11 +113,6 @@ class Simulation(ClothRun):
         self.restart(state.cloth, state.anchors, state.memory)
         self._meshed_at, self._sizes.h = state.meshed_at, state.longest_step
         self.record = deepcopy(state.record)
-
-    def _anchors(self) -> Float | None:
-        """Friction anchors of the nodes [m], shape (n, 3); None without contact."""
-        collisions = self.stepper.collisions
-        return None if collisions is None else collisions.anchor[: len(self.stepper.x)].copy()
 
     def _frame_time(self) -> float:
         """Time of the last frame [s]."""

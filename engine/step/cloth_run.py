@@ -74,6 +74,11 @@ class ClothRun:
         assert membrane is not None
         return membrane.warp_weft_strain(self.stepper.x)
 
+    def anchors(self) -> Float | None:
+        """Friction anchors of the nodes now [m], shape (n, 3); None without contact."""
+        collisions = self.stepper.collisions
+        return None if collisions is None else collisions.anchor[: len(self.stepper.x)].copy()
+
     def smallest_gap(self) -> float | None:
         """Smallest distance between cloth and avatar or cloth now [m]; None if nothing is within reach."""
         collisions = self.stepper.collisions

@@ -6,9 +6,9 @@ lie at the same place. Abaqus files hold no fields: their points are the nodes, 
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,8 @@ class FieldMesh:
         Panel of every face, shape (t,), and the panels' names.
     strain
         Strain along warp and weft of every face, shape (t, 2), or None.
+    fields
+        Further values of material vertices, shape (m,), by their names.
     """
 
     positions: Float
@@ -53,6 +55,7 @@ class FieldMesh:
     panel: Int
     panel_names: Sequence[str]
     strain: Float | None
+    fields: Mapping[str, Float] = field(default_factory=dict)
 
 
 def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
@@ -69,8 +72,8 @@ def write_field_mesh(path: Path, mesh: FieldMesh) -> Path:
     """Write a file of the format that its extension, one of FORMATS, says; return its path.
 
     Point data: `uv`, pattern coordinates [m] with a third component of 0, and `node`, which is the same for
-    points that are sewn together. Cell data: `panel`, `strain_warp` and `strain_weft`. Gmsh files name the
-    panels as physical surfaces, Abaqus files as element sets.
+    points that are sewn together, and the mesh's fields. Cell data: `panel`, `strain_warp` and `strain_weft`.
+    Gmsh files name the panels as physical surfaces, Abaqus files as element sets.
     """
     import meshio
 
@@ -94,7 +97,7 @@ def _with_fields(mesh: FieldMesh, gmsh: bool) -> Any:
     count = int(mesh.uv_faces.max()) + 1 if mesh.uv is None else len(mesh.uv)
     node = np.zeros(count, dtype=np.int32)
     node[mesh.uv_faces] = mesh.faces
-    point_data: dict[str, Any] = {"node": node}
+    point_data: dict[str, Any] = {"node": node, **mesh.fields}
     if mesh.uv is not None:
         point_data["uv"] = np.column_stack([mesh.uv, np.zeros(count)])
     cell_data: dict[str, list[Any]] = {"panel": [np.asarray(mesh.panel, np.int32)]}

@@ -2,8 +2,8 @@
 
 import json
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,10 @@ class GlbMesh:
         Texture coordinates, v upwards, shape (n, 2), or None.
     double_sided
         True for cloth, which is seen from both sides.
+    fields
+        Further values of vertices, shape (n,), by their names: attributes such as _PRESSURE_PA.
+    vertex_colours
+        Linear red, green and blue in 0..1, shape (n, 3), that replace the colour; or None.
     """
 
     name: str
@@ -43,6 +47,8 @@ class GlbMesh:
     colour: tuple[float, float, float]
     uv: Float | None = None
     double_sided: bool = False
+    fields: Mapping[str, Float] = field(default_factory=dict)
+    vertex_colours: Float | None = None
 
 
 class _Buffer:
@@ -84,6 +90,10 @@ def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
             # glTF counts v downwards.
             flipped = np.column_stack([mesh.uv[:, 0], 1.0 - mesh.uv[:, 1]]).astype("<f4")
             attributes["TEXCOORD_0"] = buffer.add(flipped, "VEC2", VERTICES)
+        if mesh.vertex_colours is not None:
+            attributes["COLOR_0"] = buffer.add(mesh.vertex_colours.astype("<f4"), "VEC3", VERTICES)
+        for name, values in mesh.fields.items():
+            attributes[f"_{name.upper()}"] = buffer.add(values.astype("<f4"), "SCALAR", VERTICES)
         indices = buffer.add(mesh.faces.ravel().astype(np.uint32), "SCALAR", INDICES)
         primitive = {"attributes": attributes, "indices": indices, "material": index}
         gltf_meshes.append({"name": mesh.name, "primitives": [primitive]})
@@ -113,12 +123,13 @@ def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
 
 
 def _material(mesh: GlbMesh) -> dict[str, Any]:
-    """Return a dull, rough material of the mesh's colour."""
+    """Return a dull, rough material of the mesh's colour; white where its vertices have their own."""
+    colour = mesh.colour if mesh.vertex_colours is None else (1.0, 1.0, 1.0)
     return {
         "name": mesh.name,
         "doubleSided": mesh.double_sided,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [*mesh.colour, 1.0],
+            "baseColorFactor": [*colour, 1.0],
             "metallicFactor": 0.0,
             "roughnessFactor": 0.9,
         },

@@ -1,5 +1,6 @@
 """Binary PLY: nodes and triangles, perhaps with velocities and with texture coordinates of corners."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,14 +34,17 @@ class PlyMesh(NamedTuple):
 
 
 def ply_bytes(
-    positions: Float, faces: Int, corner_uv: Float | None = None, velocities: Float | None = None
-) -> bytes:
+    positions: Float, faces: Int, corner_uv: Float | None = None, velocities: Float | None = None,
+    fields: Mapping[str, Float] | None = None,
+) -> bytes:  # fmt: skip
     """Return a binary little-endian PLY file; float64 keeps gaps that float32 would round away.
 
     `corner_uv`, shape (t, 3, 2), becomes the face property `texcoord`: seams have two values per vertex;
-    `velocities`, shape (n, 3), become vertex properties.
+    `velocities`, shape (n, 3), and `fields`, shape (n,) by their names, become vertex properties.
     """
+    fields = fields or {}
     more = "" if velocities is None else VELOCITY
+    more += "".join(f"property float {name}\n" for name in fields)
     header = HEADER.format(vertices=len(positions), faces=len(faces), more=more)
     header += END if corner_uv is None else TEXCOORD + END
     rows = np.empty(len(faces), dtype=_row(corner_uv is not None))
@@ -49,15 +53,17 @@ def ply_bytes(
     if corner_uv is not None:
         rows["uv_count"] = 6
         rows["uv"] = corner_uv.reshape(-1, 6)
-    vertices = np.empty(len(positions), dtype=_vertex_row(velocities is not None))
+    vertices = np.empty(len(positions), dtype=_vertex_row(velocities is not None, tuple(fields)))
     vertices["place"] = positions
     if velocities is not None:
         vertices["velocity"] = velocities
+    for name, values in fields.items():
+        vertices[name] = values
     return header.encode() + vertices.tobytes() + rows.tobytes()
 
 
 def read_own_ply(path: Path) -> PlyMesh:
-    """Read a file that `ply_bytes` made."""
+    """Read a file that `ply_bytes` made without fields."""
     content = path.read_bytes()
     head, _, data = content.partition(END.encode())
     lines = head.decode().splitlines()
@@ -75,10 +81,10 @@ def read_own_ply(path: Path) -> PlyMesh:
     )
 
 
-def _vertex_row(has_velocity: bool) -> np.dtype[np.void]:
+def _vertex_row(has_velocity: bool, fields: tuple[str, ...] = ()) -> np.dtype[np.void]:
     """Return the layout of a vertex."""
     velocity = [("velocity", "<f4", (3,))] if has_velocity else []
-    return np.dtype([("place", "<f8", (3,)), *velocity])
+    return np.dtype([("place", "<f8", (3,)), *velocity, *((name, "<f4") for name in fields)])
 
 
 def _row(has_uv: bool) -> np.dtype[np.void]:

@@ -1,0 +1,1 @@
+"""Fabrics from measurements: KES, FAST, cantilever, Cusick drape and U3M."""
