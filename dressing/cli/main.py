@@ -197,7 +197,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         metavar="WORD",
         dest="formats",
         help="write garments in this format too, with panels, pattern coordinates and strain: vtu, vtk, "
-        "xdmf, msh (Gmsh) or inp (Abaqus); repeat for more",
+        "xdmf, msh (Gmsh) or inp (Abaqus); films too as glb (one animated file) or mdd; repeat for more",
     )
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")

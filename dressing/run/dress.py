@@ -132,7 +132,8 @@ def _followed(
     state: "FilmState | None",
 ) -> Result:
     """Return the result of hung garments that follow their avatar, with the film of it written."""
-    from toile.dressing.run.follow import follow, write_film
+    from toile.dressing.run.follow import follow
+    from toile.dressing.run.output.film_files import write_film
 
     assert hung.body.motion is not None
     started = now()
@@ -142,10 +143,9 @@ def _followed(
     written = now()
     if checkpoint is not None:
         fps, count = hung.body.motion.fps, followed.count
-        if count and write_film(checkpoint.output, followed.garments, fps, count) is None:
-            listener.say(
-                "no dressed.usdc: USD is not installed (pip install 'toile[usd]'); frames are in frames/"
-            )
+        if count:
+            for sentence in write_film(checkpoint.output, followed.garments, fps, count, scene.formats):
+                listener.say(sentence)
     stages = together(followed.stages, {"io": now().less(written)})
     status = hung.drape.status
     if followed.failure is not None:

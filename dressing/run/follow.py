@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from toile.dressing.body.avatar import Avatar
-from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
-from toile.dressing.files.writers.ply import PlyMesh, ply_bytes, read_own_ply
+from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.listener import Listener
-from toile.dressing.run.output.earlier_run import FILM, FRAMES
+from toile.dressing.run.output.earlier_run import FRAMES
+from toile.dressing.run.output.film_files import BODY_NAME, frame_path
 from toile.dressing.run.output.garment_figures import strain_figures, strain_percent
 from toile.dressing.run.resolved_scene import ResolvedScene
-from toile.dressing.run.result import DressedGarment, file_stem
+from toile.dressing.run.result import DressedGarment
 from toile.dressing.wear.drape_types import Failure, FrameState
 from toile.dressing.wear.fault import place_of
 from toile.dressing.wear.taken_apart import taken_apart
@@ -40,7 +39,6 @@ from toile.engine.film.plan import (
 from toile.engine.film.simulate import Simulation
 from toile.geometry.stage_clock import Spent, StageClock
 
-BODY_NAME = "body"
 TIGHT = 0.4
 """Stretch that no fabric bears: where a film reaches it, its place is told."""
 
@@ -62,27 +60,6 @@ class Followed:
     end: dict[str, Any]
     stages: dict[str, Spent]
     count: int
-
-
-def frame_path(frames: Path, name: str, index: int) -> Path:
-    """Return the path of the mesh of that name and frame."""
-    return frames / f"{file_stem(name)}.{index:04d}.ply"
-
-
-def write_film(folder: Path, garments: tuple[DressedGarment, ...], fps: float, count: int) -> Path | None:
-    """Write dressed.usdc of the `count` frames on disk; return its path, or None without USD."""
-    try:
-        from toile.dressing.files.writers.usd import UsdMesh, write_usd
-    except ImportError:
-        return None
-    names = [(BODY_NAME, linear(BODY))]
-    names += [(garment.name, linear(garment_colour(index))) for index, garment in enumerate(garments)]
-
-    def frames(name: str) -> Iterator[PlyMesh]:
-        return (read_own_ply(frame_path(folder / FRAMES, name, index)) for index in range(count))
-
-    meshes = [UsdMesh(name=file_stem(name), colour=colour, frames=frames(name)) for name, colour in names]
-    return write_usd(folder / FILM, fps, meshes)
 
 
 def follow(

@@ -12,7 +12,7 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.place import Place
 from toile.dressing.files.palette import BODY, garment_colour, linear
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
-from toile.dressing.files.writers.field_mesh import FieldMesh, checked_formats, write_field_mesh
+from toile.dressing.files.writers.field_mesh import FORMATS, FieldMesh, checked_formats, write_field_mesh
 from toile.dressing.files.writers.glb import GlbMesh, glb_bytes
 from toile.dressing.files.writers.obj import obj_bytes
 from toile.dressing.files.writers.ply import ply_bytes
@@ -138,7 +138,9 @@ def save_shapes(
             uv_faces=garment.uv_faces, panel=garment.panel, panel_names=garment.panel_names,
             strain=garment.strain,
         )  # fmt: skip
-        written += [write_field_mesh(folder / f"{stem}.{kind}", fields) for kind in formats]
+        written += [
+            write_field_mesh(folder / f"{stem}.{kind}", fields) for kind in formats if kind in FORMATS
+        ]
     written.append(write_atomic(folder / "preview.png", dressed_png(avatar, garments)))
     return written
 

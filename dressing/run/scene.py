@@ -287,7 +287,8 @@ class Scene:
         Air that resists garments that follow a body in motion, and may blow: Air; None is a vacuum.
     formats
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
-        strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only).
+        strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only). Of films: "glb",
+        one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
     """

@@ -57,7 +57,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "friction": (NUMBER, "friction against the body for all garments instead of the fabrics' own"),
         "friction_between": (list, 'friction of pairs: [["denim-12oz", "body", 0.5], ...]'),
         "air": (dict, "table: still air or wind on garments that follow a moving body"),
-        "formats": (list, "formats of garments in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp"),
+        "formats": (list, "formats in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp; of films: glb, mdd"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),

@@ -1,4 +1,4 @@
-"""The curves of tension of a fabric, as tables; no kernels here, so that fabrics are checked without numba."""
+"""The curves of tension of a fabric, as tables; without kernels: fabrics are checked without numba."""
 
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.stretch_curve import limited, straight, through
@@ -19,3 +19,9 @@ def curve_tables(fabric: Fabric) -> tuple[Float, Float]:
             free = stiffness * (1.0 - fabric.poisson**2)
             tables.append(limited(free, fabric.strain_limit) if fabric.strain_limit else straight(free))
     return tables[0], tables[1]
+
+
+def has_law(fabric: Fabric) -> bool:
+    """Tell whether a fabric stretches otherwise than in proportion, thread by thread."""
+    curved = fabric.stretch_curve_warp or fabric.stretch_curve_weft
+    return bool(curved) or fabric.strain_limit > 0.0 or fabric.poisson > 0.0

@@ -10,10 +10,12 @@ from toile.studies.validation.validate_friction import validate_friction
 from toile.studies.validation.validate_orders import validate_orders
 from toile.studies.validation.validate_patch import validate_patch
 from toile.studies.validation.validate_stick_slip import validate_stick_slip
+from toile.studies.validation.validate_stretch import validate_stretch
 from toile.studies.validation.validation_row import ValidationRow
 
 VALIDATIONS: dict[str, Callable[[], Iterator[ValidationRow]]] = {
     "patch": validate_patch,
+    "stretch": validate_stretch,
     "curvature": validate_curvature,
     "cantilever": validate_cantilever,
     "buckling": validate_buckling,

@@ -22,6 +22,8 @@ from toile.geometry.errors import InputError
 
 FORMATS = ("vtu", "vtk", "xdmf", "msh", "inp")
 """Formats, which are also the file extensions."""
+FILM_FORMATS = ("glb", "mdd")
+"""Formats of films: all meshes in one animated file, vertices of a garment over time."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +58,8 @@ class FieldMesh:
 def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
     """Return the formats, each once. Raises InputError for one that is unknown or lacks its library."""
     for name in formats:
-        if name not in FORMATS:
-            raise InputError(f"formats: {unknown_name('format', str(name), FORMATS)}")
+        if name not in (*FORMATS, *FILM_FORMATS):
+            raise InputError(f"formats: {unknown_name('format', str(name), (*FORMATS, *FILM_FORMATS))}")
         if name == "xdmf" and find_spec("h5py") is None:
             raise InputError("formats: xdmf needs h5py (pip install 'toile[xdmf]'); or take vtu")
     return tuple(dict.fromkeys(formats))

@@ -33,7 +33,7 @@ def remove_earlier_run(folder: Path, garments: Iterable[str] = ()) -> None:
     from toile.dressing.run.result import file_stem
 
     stems = dict.fromkeys(file_stem(name) for name in (*garments_of_report(folder), *garments))
-    for name in (REPORT, "dressed.glb", "preview.png", FILM, MOVING):
+    for name in (REPORT, "dressed.glb", "preview.png", "view.html", FILM, MOVING):
         (folder / name).unlink(missing_ok=True)
     for stem in stems:
         for end in SHAPES:

@@ -31,7 +31,7 @@ def strain_figures(garment: DressedGarment) -> dict[str, Any]:
 
 
 def strain_percent(garments: tuple[DressedGarment, ...]) -> dict[str, float | None]:
-    """Return the largest strains of all garments and their 99th percentile [%], as a drape's report has them."""
+    """Return the largest strains of all garments and their 99th percentile [%], as a report has them."""
     known = [garment.strain for garment in garments if garment.strain is not None]
     if not known:
         return {"warp_max": None, "weft_max": None, "p99": None}

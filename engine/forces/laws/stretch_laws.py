@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.fabric_curves import curve_tables
+from toile.engine.cloth.fabric_curves import curve_tables, has_law
 from toile.geometry.arrays import Float, Int
 from toile.geometry.kernel import F64_2, I32_2, OUT_F64_1, OUT_F64_3, OUT_F64_4, helper, kernel
 
@@ -43,12 +43,6 @@ class StretchLaws(NamedTuple):
     table: Float
     spans: Int
     shares: Float
-
-
-def has_law(fabric: Fabric) -> bool:
-    """Tell whether a fabric stretches otherwise than in proportion, thread by thread."""
-    curved = fabric.stretch_curve_warp or fabric.stretch_curve_weft
-    return bool(curved) or fabric.strain_limit > 0.0 or fabric.poisson > 0.0
 
 
 def stretch_laws(

@@ -27,7 +27,7 @@ from toile.dressing.run.scene import Garment, Scene
 from toile.engine.forces.ground import Ground
 from toile.geometry.errors import InputError
 
-FILES = {"dressed.glb", "preview.png", "report.json", "square.obj", "square.ply"}
+FILES = {"dressed.glb", "preview.png", "report.json", "square.obj", "square.ply", "view.html"}
 
 
 def test_a_second_run_into_the_same_folder_is_refused(tmp_path: Path, fake_drape: Callable[..., Any]) -> None:

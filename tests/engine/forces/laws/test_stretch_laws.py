@@ -1,8 +1,6 @@
-"""Stretch curves and Poisson's ratio: derivatives, smoothness, and strips that are pulled."""
+"""Stretch curves and Poisson's ratio: derivatives, smoothness, curves; `validate_stretch` pulls strips."""
 
 from dataclasses import replace
-from functools import cache
-from math import inf
 
 import numpy as np
 import pytest
@@ -10,18 +8,14 @@ import pytest
 from tests.engine.step.test_only_what_is_asked import SLACK
 from toile.engine.adapt.patch_energy import patch_energies
 from toile.engine.cloth.fabric import Fabric
-from toile.engine.cloth.fabric_curves import curve_tables
-from toile.engine.cloth.flat_cloth import flat_cloth
 from toile.engine.cloth.stretch_curve import LOCKED, limited, tension_at, through
 from toile.engine.forces.laws.curved_membrane import CurvedMembrane
 from toile.engine.forces.laws.stretch_laws import stretch_laws
 from toile.engine.forces.membrane import Membrane
 from toile.engine.forces.membrane_damping import MembraneDamping
-from toile.engine.forces.step_request import StepRequest
 from toile.engine.solve.assembly import node_pairs
 from toile.geometry.arrays import Float
-from toile.studies.scenes.flat_meshes import KINDS, mesh
-from toile.studies.scenes.motion import free_stepper
+from toile.studies.scenes.flat_meshes import mesh
 
 WARP = ((0.01, 8.0), (0.03, 40.0), (0.05, 150.0), (0.06, 300.0))
 WEFT = ((0.02, 10.0), (0.05, 60.0), (0.08, 250.0))
@@ -147,47 +141,3 @@ def test_remeshing_counts_the_energy_of_curves() -> None:
     order = np.random.default_rng(2).permutation(len(faces)).astype(np.int32)
     found = patch_energies(x, faces[order], points[faces][order], stiffness, order, laws)
     np.testing.assert_allclose(found, membrane.element_energy[order], rtol=1e-12)
-
-
-@cache
-def pulled(kind: str, along: int, strain: float) -> tuple[float, float]:
-    """Tension [N/m] and contraction of a strip pulled along warp (0) or weft (1), its sides free."""
-    length, width = 0.2, 0.1
-    points, faces = mesh(kind, length, width, 0.025)
-    pattern = points if along == 0 else np.column_stack((-points[:, 1], points[:, 0]))
-    start = np.column_stack((points * [1.0 + strain, 1.0], np.zeros(len(points))))
-    left, right = points[:, 0] < 1e-9, points[:, 0] > length - 1e-9
-    cloth = flat_cloth(pattern, faces, start, CURVED, pinned=left | right)
-    stepper = free_stepper(cloth, gravity=0.0)
-    # Grips that let the cloth contract: they hold the ends along the pull, and press nowhere else.
-    free_across = start.copy()
-    contraction = CURVED.poisson * np.sqrt(_first(along) / _first(1 - along))
-    free_across[:, 1] *= 1.0 - contraction * strain
-    stepper.x[left | right, 1] = free_across[left | right, 1]
-    request = StepRequest(
-        h=1e4, at_rest=False, newton=60, newton_tolerance=1e-10, cg_tolerance=1e-8, cg_iterations=5000,
-        motion_max=inf,
-    )  # fmt: skip
-    stepper.step(request)
-    gradient = np.zeros_like(stepper.x)
-    for force in stepper.forces:
-        force.add_gradient(stepper.x, gradient)
-    middle = np.abs(points[:, 0] - 0.5 * length) < 0.2 * length
-    across = stepper.x[middle, 1] / np.where(points[middle, 1] > 1e-9, points[middle, 1], np.nan)
-    return float(gradient[right, 0].sum() / width), 1.0 - float(np.nanmean(across))
-
-
-def _first(along: int) -> float:
-    return float(curve_tables(CURVED)[along][0, 3])
-
-
-@pytest.mark.parametrize("along", [0, 1])
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_strip_gives_back_its_curve(kind: str, along: int) -> None:
-    """Within 2 % at the measured points and between them, on three meshes, along both threads."""
-    table = curve_tables(CURVED)[along]
-    ratio = CURVED.poisson * np.sqrt(_first(along) / _first(1 - along))
-    for strain in (0.01, 0.03, 0.042, 0.055):
-        tension, contraction = pulled(kind, along, strain)
-        assert tension == pytest.approx(tension_at(table, strain), rel=0.02)
-        assert contraction == pytest.approx(ratio * strain, rel=0.02)
