@@ -130,7 +130,8 @@ def test_nothing_crosses_while_it_is_dragged_over_a_ball_that_moves() -> None:
 def test_an_obstacle_does_not_tear_cloth_that_is_held_and_may_go_back() -> None:
     cloth = sheet(0.13)
     live = LiveCloth(cloth, {"ball": ball()}, StepOptions())
-    live.pin(np.flatnonzero(np.abs(cloth.positions[:, [0, 2]]).max(axis=1) > 0.249))
+    border = np.abs(cloth.positions[:, [0, 2]]).max(axis=1) > 0.249
+    live.pin(np.flatnonzero(border).astype(np.int32))
     start = ball()[0]
     live.move_obstacle("ball", start + np.array([0.0, 0.5, 0.0]))
     assert max(live.advance().stretch for _ in range(60)) < 0.15
