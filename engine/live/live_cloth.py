@@ -2,6 +2,7 @@
 
 Every step is one linearly implicit step of the shipped stepper: its guard lets nothing pass through anything,
 whatever the hand asks for. A step in which cloth would stretch a lot more is undone and made in two halves.
+One in which obstacles would stretch it beyond what it bears is undone as well, and they rest for a while.
 """
 
 from collections.abc import Mapping
@@ -33,6 +34,8 @@ TOLERANCE = 3e-2
 """Relative residual of the linear solver: that of films, 1e-2, takes five times the iterations in contact."""
 RISE, STRETCHED = 0.05, 0.08
 """A step that raises the largest stretch by more than RISE, beyond STRETCHED, is made in two halves."""
+RESTS = 6
+"""Steps for which obstacles rest that would stretch the cloth by more than STRETCHED."""
 PATCH = 0.04
 """Radius of the patch that a hand grips, along the pattern [m]."""
 MORE = 0.02
@@ -91,6 +94,8 @@ class LiveCloth(ClothRun):
         self._breeze = Breeze(cloth.face_nodes, len(cloth.positions))
         self._ground: float | None = None
         self._pin_goals = cloth.positions.copy()
+        self._driven = False
+        self._rest = 0
         forces = (lambda _: self.hand, lambda _: self.push, lambda _: self._breeze)
         own = replace(options, air=None, more_forces=(*options.more_forces, *forces))
         super().__init__(cloth, self.obstacles.together(), own, StageClock())
@@ -102,9 +107,15 @@ class LiveCloth(ClothRun):
     def advance(self) -> LiveFrame:
         """Advance by one step and return the state after it."""
         step, before = self.frame.step + 1, self.frame.stretch
+        self._rest = max(0, self._rest - 1)
         saved = self.stepper.save()
         outcome = self._step(STEP, step * STEP)
         stretch = self._stretch()
+        if stretch > max(before, STRETCHED) and self._driven:
+            self.stepper.restore(saved)
+            self._rest = RESTS
+            outcome = self._step(STEP, step * STEP)
+            stretch = self._stretch()
         if stretch > max(before + RISE, STRETCHED):
             self.stepper.restore(saved)
             self.hand.feel(stretch)
@@ -118,8 +129,10 @@ class LiveCloth(ClothRun):
     def _step(self, h: float, until: float) -> StepOutcome:
         """Make one step of h [s] that ends at a time [s]."""
         stepper = self.stepper
-        target = None if self.surface is None else self.obstacles.next(self.surface.vertices, h)
-        pins = None
+        target = pins = None
+        if self.surface is not None and not self._rest:
+            target = self.obstacles.next(self.surface.vertices, h)
+        self._driven = target is not None
         if stepper.pinned is not None:
             ahead = self._pin_goals - stepper.x
             length = np.linalg.norm(ahead, axis=1)[:, None]

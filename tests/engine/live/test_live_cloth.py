@@ -127,6 +127,23 @@ def test_nothing_crosses_while_it_is_dragged_over_a_ball_that_moves() -> None:
     assert live.frame.stretch < 0.15
 
 
+def test_an_obstacle_does_not_tear_cloth_that_is_held_and_may_go_back() -> None:
+    cloth = sheet(0.13)
+    live = LiveCloth(cloth, {"ball": ball()}, StepOptions())
+    border = np.abs(cloth.positions[:, [0, 2]]).max(axis=1) > 0.249
+    live.pin(np.flatnonzero(border).astype(np.int32))
+    start = ball()[0]
+    live.move_obstacle("ball", start + np.array([0.0, 0.5, 0.0]))
+    assert max(live.advance().stretch for _ in range(60)) < 0.15
+    assert live.surface is not None
+    risen = float((live.surface.vertices - start)[:, 1].mean())
+    assert 0.01 < risen < 0.3
+    live.move_obstacle("ball", start)
+    for _ in range(30):
+        live.advance()
+    assert live.surface.vertices == pytest.approx(start, abs=1e-3)
+
+
 def test_obstacles_come_and_go_but_never_into_the_cloth() -> None:
     live = LiveCloth(sheet(0.0), {}, StepOptions())
     with pytest.raises(InputError, match="would cut the cloth"):
