@@ -12,7 +12,9 @@ from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import Bool
 from toile.geometry.errors import InputError
 
-TENSIONS = (1.0, 2.0, 5.0, 10.0, 20.0, 35.0, 50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 500.0, 700.0, 1000.0)
+TENSIONS = (
+    1.0, 2.0, 5.0, 10.0, 20.0, 35.0, 50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 500.0, 700.0, 1000.0,
+)  # fmt: skip
 """Tensions of the curves [N/m]."""
 TWIST = 1.0 / 1.3
 """Torsional over bending stiffness of a fibre: a round isotropic rod with Poisson's ratio 0.3."""
