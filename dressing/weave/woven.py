@@ -21,8 +21,9 @@ TWIST = 1.0 / 1.3
 MOST_POISSON = 0.5
 """Contraction that the membrane is given at most.
 
-Waves that pass freely from warp to weft would give nearly 1, and a circle skirt then crumples. Measured fabrics
-have 0.26 (canvas) to 0.76 (charmeuse) at small strains, 0.5 in the mean: friction holds most waves in place.
+Waves that pass freely from warp to weft would give nearly 1, and a circle skirt then crumples. Measured
+fabrics have 0.26 (canvas) to 0.76 (charmeuse) at small strains, 0.5 in the mean: friction holds most waves in
+place.
 """
 CLOSEST, WIDEST = 1e-4, 1e-2
 """Spacings of yarns [m]: 1 to 100 per centimetre."""
