@@ -64,8 +64,8 @@ def dress(
     InputError
         If the scene is at fault: which file, field or faces, and what to do.
     """
-    resolved = resolve(scene)
     folder = None if output is None else writable_folder(output)
+    resolved = resolve(scene)
     listener = Listener(progress, say, record)
     with one_run(folder), listener.heeding_interrupts():
         return _from_the_start(resolved, folder, listener)

@@ -11,7 +11,7 @@ from toile.engine.drape.plan import DrapePlan, DrapeRecord, Frame, Growth, Phase
 from toile.engine.forces.step_request import StepRequest
 from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.memory import Memory
-from toile.engine.step.options import StepOutcome
+from toile.engine.step.options import StepOptions, StepOutcome
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.stage_clock import StageClock
@@ -116,9 +116,12 @@ class DrapeState(ClothRun):
         pairs = self.cloth.stitches
         return np.asarray(np.linalg.norm(self.stepper.x[pairs[:, 0]] - self.stepper.x[pairs[:, 1]], axis=1))
 
-    def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
+    def restart(
+        self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None,
+        options: StepOptions | None = None,
+    ) -> None:  # fmt: skip
         """Continue with a cloth of another topology."""
-        super().restart(cloth, anchors, memory)
+        super().restart(cloth, anchors, memory, options)
         self._before = None
         self._meshed_at = self.stepper.x.copy()
         self.record.node_counts.append(len(cloth.positions))

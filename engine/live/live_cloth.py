@@ -5,7 +5,7 @@ whatever the hand asks for. A step in which cloth would stretch a lot more is un
 One in which obstacles would stretch it beyond what it bears is undone as well, and they rest for a while.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -173,7 +173,7 @@ class LiveCloth(ClothRun):
         # already, as a garment that is worn, by a little more.
         self.hand.bear(max(BEARABLE + weight / (2.0 * radius * softest), self.frame.stretch + MORE))
 
-    def pull_to(self, offset: Float) -> None:
+    def pull_to(self, offset: Float | Sequence[float]) -> None:
         """Say how far from where it was gripped the patch shall be [m], shape (3,)."""
         self.hand.wanted = np.asarray(offset, np.float64).reshape(3)
 
@@ -251,12 +251,16 @@ class LiveCloth(ClothRun):
         self.surface, self.auditor = None if together is None else AvatarSurface(*together), None
         self._renew()
 
+    def obstacle(self, name: str) -> Float:
+        """Return where an obstacle's vertices are [m], shape (v, 3). Raises InputError if there is none."""
+        there = self.obstacles.surfaces(None if self.surface is None else self.surface.vertices)
+        if name not in there:
+            raise InputError(f"there is no obstacle {name!r}; there is {', '.join(there) or 'none'}")
+        return there[name][0]
+
     def move_obstacle(self, name: str, vertices: Float) -> None:
         """Say where an obstacle's vertices shall be [m], shape (v, 3); it goes there at 1.5 m/s at most."""
-        if name not in self.obstacles.names:
-            raise InputError(
-                f"there is no obstacle {name!r}; there is {', '.join(self.obstacles.names) or 'none'}"
-            )
+        self.obstacle(name)
         self.obstacles.want(name, vertices)
         self.auditor = None
 
@@ -280,11 +284,10 @@ class LiveCloth(ClothRun):
     def _renew(self, options: StepOptions | None = None) -> None:
         """Make the stepper anew, as the cloth is and moves."""
         stepper = self.stepper
-        if options is not None:
-            stepper.options = options
         pinned, collisions = stepper.pinned, stepper.collisions
         anchors = None if collisions is None else collisions.anchor[: len(stepper.x)].copy()
-        self.restart(replace(self.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy()), anchors)
+        cloth = replace(self.cloth, positions=stepper.x.copy(), velocities=stepper.v.copy())
+        self.restart(cloth, anchors, options=options)
         self.stepper.pin(pinned)
         if self._ground is not None:
             self.stepper.forces.append(Ground(self._ground, self.cloth.node_area))

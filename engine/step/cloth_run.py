@@ -39,13 +39,17 @@ class ClothRun:
         self.auditor: Auditor | None = None
         self.stepper = cloth_stepper(cloth, self.surface, options, clock)
 
-    def restart(self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None) -> None:
+    def restart(
+        self, cloth: Cloth, anchors: Float | None = None, memory: Memory | None = None,
+        options: StepOptions | None = None,
+    ) -> None:  # fmt: skip
         """Continue with a cloth of another topology, its friction anchors [m], (n, 3), and memory of steps.
 
-        Without them anchors start at the nodes, and steps know no past.
+        Without them anchors start at the nodes, and steps know no past. Options stay unless others are given.
         """
         self.cloth = cloth
-        stepper = self.stepper = cloth_stepper(cloth, self.surface, self.stepper.options, self.clock)
+        options = self.stepper.options if options is None else options
+        stepper = self.stepper = cloth_stepper(cloth, self.surface, options, self.clock)
         stepper.put(cloth.positions, cloth.velocities, memory)
         if anchors is not None and stepper.collisions is not None:
             stepper.collisions.anchor[: len(anchors)] = anchors

@@ -6,14 +6,18 @@ from pathlib import Path
 try:
     import fcntl
 except ImportError:
-    # Windows locks bytes of a file instead.
     fcntl = None  # type: ignore[assignment]
+try:
+    # Windows locks bytes of a file instead.
+    import msvcrt
+except ImportError:
+    msvcrt = None  # type: ignore[assignment]
 
 
 def try_lock(path: Path) -> int | None:
     """Lock a file, made if need be, and return its descriptor; None if another holds the lock.
 
-    Closing the descriptor, or dying, lets go. A file system that knows no locks grants every one.
+    Closing the descriptor, or dying, lets go. A file system or machine that knows no locks grants every one.
     """
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
@@ -46,7 +50,5 @@ def unlock(path: Path, descriptor: int) -> None:
 def _lock(descriptor: int) -> None:
     if fcntl is not None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    else:
-        import msvcrt
-
+    elif msvcrt is not None:
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)

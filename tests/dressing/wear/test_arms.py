@@ -24,8 +24,9 @@ def placed(half: float, height: float, name: str) -> GarmentMesh:
     across = np.linspace(-half, half, 41)
     x, y = (side.ravel() for side in np.meshgrid(across, height + across))
     return replace(
-        panels(half, 0.3), positions=np.column_stack((x, y, np.full(len(x), 0.3))), panel_names=(name,)
-    )
+        panels(half, 0.3), positions=np.column_stack((x, y, np.full(len(x), 0.3))),
+        uv=np.column_stack((x, y)), panel_names=(name,),
+    )  # fmt: skip
 
 
 def sleeve(half: float, at: Float) -> GarmentMesh:

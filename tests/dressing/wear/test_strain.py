@@ -17,7 +17,7 @@ FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
 
 def cloth(rest: Float) -> Cloth:
     """A stand-in with what the strain is made of."""
-    return cast("Cloth", SimpleNamespace(rest_corners=rest, positions=PLACES, face_nodes=FACES))
+    return cast("Cloth", SimpleNamespace(natural_corners=rest, positions=PLACES, face_nodes=FACES))
 
 
 def test_a_stretched_face_says_by_how_much() -> None:
