@@ -7,7 +7,10 @@ import numpy as np
 
 from toile.dressing.pattern.pattern import Panel
 from toile.dressing.pattern.pattern_curve import edge_points
-from toile.geometry.arrays import Float, Int
+from toile.geometry.arrays import Bool, Float, Int
+
+TOUCH = 1e-6
+"""How near sides of an outline count as touching [m]: between nearer ones no triangle fits."""
 
 
 def outline(panel: Panel, segments: Sequence[int]) -> tuple[Float, Int]:
@@ -42,7 +45,7 @@ def crossing_sides(polygon: Float) -> tuple[int, int] | None:
     count = len(polygon)
     ahead = np.roll(polygon, -1, axis=0)
     direction = ahead - polygon
-    length = np.linalg.norm(direction, axis=1)
+    length = np.maximum(np.linalg.norm(direction, axis=1), 1e-300)
     following = np.roll(direction, -1, axis=0)
     cross = direction[:, 0] * following[:, 1] - direction[:, 1] * following[:, 0]
     dot = np.einsum("ij,ij->i", direction, following)
@@ -50,7 +53,7 @@ def crossing_sides(polygon: Float) -> tuple[int, int] | None:
     folded = np.flatnonzero((dot < 0.0) & (np.abs(cross) < 1e-4 * length * np.roll(length, -1)))
     if len(folded):
         return int(folded[0]), int((folded[0] + 1) % count)
-    low, high = np.minimum(polygon, ahead), np.maximum(polygon, ahead)
+    low, high = np.minimum(polygon, ahead) - 0.5 * TOUCH, np.maximum(polygon, ahead) + 0.5 * TOUCH
     best: tuple[int, int] | None = None
     for i in range(count - 2):
         last = count - 1 if i == 0 else count
@@ -62,13 +65,18 @@ def crossing_sides(polygon: Float) -> tuple[int, int] | None:
             continue
         a, b, c, d = polygon[i], ahead[i], polygon[near], ahead[near]
         # Both ends of each side on the same side of the other one: apart. Touching counts as crossing.
-        apart_cd = _turn(a, b, c) * _turn(a, b, d) > 0.0
-        apart_ab = _turn(c, d, a) * _turn(c, d, b) > 0.0
+        apart_cd = _beside(_turn(a, b, c) / length[i], _turn(a, b, d) / length[i])
+        apart_ab = _beside(_turn(c, d, a) / length[near], _turn(c, d, b) / length[near])
         hit = near[~apart_cd & ~apart_ab]
         if len(hit):
             best = (i, int(hit[0]))
             break
     return best
+
+
+def _beside(one: Float, other: Float) -> Bool:
+    """Whether two points are on the same side of a line, by their distances from it [m], and off it."""
+    return np.asarray((np.minimum(one, other) > TOUCH) | (np.maximum(one, other) < -TOUCH))
 
 
 def to_world(panel: Panel, points: Float) -> Float:
