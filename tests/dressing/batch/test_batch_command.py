@@ -113,7 +113,7 @@ def test_the_same_bytes_on_two_workers_and_on_dask(
     if "--dask" in options:
         pytest.importorskip("distributed")
     expected = contents(finished)
-    assert len(expected) == 12
+    assert len(expected) == 14
     assert batch("--jobs", jobs_file, *QUICK, "-o", tmp_path / "out", "--quiet", *options) == 1
     assert contents(tmp_path / "out") == expected
 
