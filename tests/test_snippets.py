@@ -53,7 +53,8 @@ def test_mypy_finds_nothing(snippets: Path) -> None:
         pytest.skip("mypy is not installed (pip install -e '.[dev]')")
     files = sorted(snippets.glob("*.py"))
     assert len(files) > 7
-    command = [sys.executable, "-m", "mypy", "--strict", "--config-file", str(ROOT / "pyproject.toml")]
+    # The project's settings are strict; said here again, they would undo its exceptions for kernels.
+    command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "pyproject.toml")]
     done = subprocess.run(
         [*command, "--cache-dir", str(ROOT / ".mypy_cache"), *map(str, files)],
         cwd=ROOT, env=os.environ | {"MYPYPATH": str(snippets)}, capture_output=True, text=True,
