@@ -90,19 +90,17 @@ def fit_sentences(table: dict[str, Any]) -> list[str]:
         error = spread.get((fact["garment"], fact["region"]))
         more = "" if error is None else f" +- {_number(error['pressure_Pa'])}"
         lines.append(
-            f"{fact['garment']} is tight at {fact['region']}: {_number(fact['pressure_Pa'])}{more} Pa, "
-            f"{_number(fact['tension_N_m'])} N/m"
+            f"{fact['garment']}: tight at {fact['region']}, {_number(fact['tension_N_m'])} N/m, and presses "
+            f"on the body with {_number(fact['pressure_Pa'])}{more} Pa"
         )
     lines += [
-        f"{fact['garment']} is loose at {fact['region']}: {fact['ease_mm']:.0f} mm from the body"
+        f"{fact['garment']}: loose at {fact['region']}, {fact['ease_mm']:.0f} mm from the body"
         for fact in found["loose"]
     ]
     for fact in found["moved"]:
         rise = fact["rise_mm"]
-        lines.append(
-            f"{fact['garment']} {'rides up' if rise > 0.0 else 'comes down'} by {abs(rise):.0f} mm at its "
-            f"{fact['edge']}"
-        )
+        way = "rides up" if rise > 0.0 else "comes down"
+        lines.append(f"{fact['garment']}: {fact['edge']} {way} by {abs(rise):.0f} mm")
     lines = lines or ["nothing is tight, loose or out of its place"]
     weight, carried = table["weight_N"], table["carried_by_body_N"]
     lines.append(f"the body bears {carried:.2f} N of the {weight:.2f} N that the garments weigh")

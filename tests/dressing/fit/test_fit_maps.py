@@ -157,10 +157,10 @@ def test_findings_in_words() -> None:
     }  # fmt: skip
     told = fit_sentences(table | {"findings": findings(table)})
     assert told == [
-        "skirt is tight at hips: 0 Pa, 400 N/m",
-        "skirt is tight at waist: 3000 Pa, 10 N/m",
-        "skirt is loose at chest: 55 mm from the body",
-        "skirt rides up by 21 mm at its waist",
+        "skirt: tight at hips, 400 N/m, and presses on the body with 0 Pa",
+        "skirt: tight at waist, 10 N/m, and presses on the body with 3000 Pa",
+        "skirt: loose at chest, 55 mm from the body",
+        "skirt: waist rides up by 21 mm",
         "the body bears 2.99 N of the 3.00 N that the garments weigh",
     ]
 
