@@ -19,6 +19,10 @@ from toile.geometry.connected import connected
 
 ARM = 0.12
 """How far from the middle of its sleeve's panels an arm is looked for [m]."""
+ROOM = 0.01
+"""Room around an arm within the edge of its sleeve [m]."""
+HAND = 0.1
+"""How far before a tube that no arm reaches into the hand is looked for [m]."""
 STEP, FARTHEST = 0.01, 0.25
 """Steps in which tubes are moved out along the arm, and how far at most [m]."""
 
@@ -62,9 +66,8 @@ def rolled_sleeves(
         notes.append(f"garment {mesh.name}: {names} start rolled around the arm")
     for side in (1.0, -1.0):
         axis = np.array([side * np.cos(arm_angle), -np.sin(arm_angle), 0.0])
-        panels = rolled_panels & (side * np.bincount(owner, positions[:, 0], count) > 0.0)
-        if panels.any():
-            positions[panels[owner]] += _way_out(mesh, positions, panels, obstacle, axis)
+        own = rolled_panels & (side * np.bincount(owner, positions[:, 0], count) > 0.0)
+        positions = _strung(mesh, positions, tube, own, obstacle, axis)
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
@@ -82,31 +85,107 @@ def _rolled(
     back = max(w for w, panel in zip(widths, np.flatnonzero(panels), strict=True) if facing[panel] < 0.0)
     radius = OPEN * (front + back) / (2.0 * np.pi)
     middle = 0.5 * float(t[own].min() + t[own].max())
-    centre = _arm_centre(body, axis, positions[own][:, :2] @ axis, (middle, depth))
+    (across_arm, depth), thickness = _arm(body, axis, positions[own][:, :2] @ axis, (middle, depth))
+    opening = t[_outer_edge(mesh, panels, positions[:, :2] @ axis)]
     faces = mesh.faces[panels[mesh.panel]]
     for factor in WIDER:
         trial = positions.copy()
+        aside = _off_opening(opening - middle, factor * radius, 0.5 * thickness)
+        centre = across_arm - aside, depth
         trial[own] = rolled(positions[own], facing[owner[own]], factor * radius, axis, middle, centre)
         if not obstacle.surface_crosses_avatar(trial, faces):
             return trial
     return None
 
 
-def _arm_centre(body: Float, axis: Float, along: Float, near: tuple[float, float]) -> tuple[float, float]:
-    """Middle of an arm across its direction and in depth [m], along the outer half of a tube."""
+def _arm(
+    body: Float, axis: Float, along: Float, near: tuple[float, float]
+) -> tuple[tuple[float, float], float]:
+    """Middle of an arm across its direction and in depth, and its thickness [m], along a tube's outer half."""
     t, s = body[:, :2] @ np.array([-axis[1], axis[0]]), body[:, :2] @ axis
-    own = (s > 0.5 * (along.min() + along.max())) & (s < along.max())
-    own &= (np.abs(t - near[0]) < ARM) & (np.abs(body[:, 2] - near[1]) < ARM)
+    beside = (np.abs(t - near[0]) < ARM) & (np.abs(body[:, 2] - near[1]) < ARM) & (s < along.max())
+    own = beside & (s > 0.5 * (along.min() + along.max()))
     if not own.any():
-        return near
-    return 0.5 * float(t[own].min() + t[own].max()), 0.5 * float(body[own, 2].min() + body[own, 2].max())
+        # It lies beyond the fingers, and is moved in over them.
+        own = beside & (s > along.min() - HAND)
+    if not own.any():
+        return near, 0.0
+    low, high = float(t[own].min()), float(t[own].max())
+    return (0.5 * (low + high), 0.5 * float(body[own, 2].min() + body[own, 2].max())), high - low
 
 
-def _way_out(mesh: GarmentMesh, positions: Float, panels: Bool, obstacle: RigidPieces, axis: Float) -> Float:
-    """Shortest shift along an arm [m], shape (3,), after which tubes cut neither body nor panels."""
-    faces = mesh.faces[panels[mesh.panel]]
-    pieces = RigidPieces(positions, mesh.faces, panels[mesh.panel].astype(np.int32), None)
-    for distance in np.arange(0.0, FARTHEST, STEP):
+def _outer_edge(mesh: GarmentMesh, panels: Bool, along: Float) -> Bool:
+    """Mark the vertices of a tube's edge towards the hand, shape (m,): a hem, or what a cuff is sewn to.
+
+    `along` is how far along the arm every vertex lies [m], shape (m,).
+    """
+    owner = owner_of(mesh)
+    own = panels[owner]
+    sides = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    marked = np.zeros(len(own), bool)
+    marked[edges[count == 1].ravel()] = True
+    marked[mesh.stitches.ravel()] = False
+    ends = mesh.stitches[own[mesh.stitches].sum(axis=1) == 1]
+    mine = np.where(own[ends[:, 0]], ends[:, 0], ends[:, 1])
+    other = owner[np.where(own[ends[:, 0]], ends[:, 1], ends[:, 0])]
+    middle = np.bincount(owner, along, len(panels)) / np.maximum(np.bincount(owner, minlength=len(panels)), 1)
+    marked[mine[on_sleeves(mesh)[mine] & (middle[other] > middle[owner[mine]])]] = True
+    return marked & own
+
+
+def _off_opening(opening: Float, radius: float, half: float) -> float:
+    """How far the middle of a rolled edge lies from the middle of its tube [m], if an arm is outside of it.
+
+    `opening` is where the points of the edge lie across the tube while that is flat [m]. A sleeve that narrows
+    much has its opening on one side of the tube, and the arm would lie in the gap of its underarm seam. 0 where
+    an arm in the middle, `half` as thick [m], passes through the opening.
+    """
+    if not len(opening):
+        return 0.0
+    across = radius * np.sin(np.clip(opening / radius, -0.5 * np.pi, 0.5 * np.pi))
+    low, high = float(across.min()), float(across.max())
+    return 0.0 if low < -half - ROOM and high > half + ROOM else 0.5 * (low + high)
+
+
+def _strung(
+    mesh: GarmentMesh, positions: Float, tube: Int, panels: Bool, obstacle: RigidPieces, axis: Float
+) -> Float:
+    """Positions [m], shape (m, 3), with the tubes of an arm moved along it, one after the other from the
+    shoulder, until their edges meet and they cut neither body nor panels.
+
+    `tube` is the number of every panel's tube, shape (p,), and `panels` marks those of the arm. Tubes that
+    start farther out would be dragged in while their own seams still close, and fingers reach out between them.
+    """
+    owner = owner_of(mesh)
+    along = np.bincount(owner, positions @ axis) / np.maximum(np.bincount(owner), 1)
+    numbers = sorted(np.unique(tube[panels]), key=lambda number: along[panels & (tube == number)].mean())
+    positions = positions.copy()
+    left = panels.copy()
+    for number in numbers:
+        own = panels & (tube == number)
+        shift = _way_along(mesh, positions, own, ~left, obstacle, axis)
+        positions[left[owner]] += shift
+        left &= ~own
+    return positions
+
+
+def _way_along(
+    mesh: GarmentMesh, positions: Float, own: Bool, placed: Bool, obstacle: RigidPieces, axis: Float
+) -> Float:
+    """Shift along an arm [m], shape (3,), after which a tube cuts neither the body nor panels in their places.
+
+    It is the one farthest in, up to where the edges meet that join them.
+    """
+    owner = owner_of(mesh)
+    ends = mesh.stitches[own[owner[mesh.stitches]].any(axis=1) & placed[owner[mesh.stitches]].any(axis=1)]
+    mine = own[owner[ends]]
+    gap = (positions[ends[mine]] - positions[ends[~mine]]) @ axis
+    inward = max(0.0, float(gap.mean()) - ROOM) if len(gap) else 0.0
+    beside = mesh.faces[(own | placed)[mesh.panel]]
+    pieces = RigidPieces(positions, beside, own[mesh.panel[(own | placed)[mesh.panel]]].astype(np.int32), None)
+    faces = mesh.faces[own[mesh.panel]]
+    for distance in np.arange(-STEP * int(inward / STEP), FARTHEST, STEP):
         shift = distance * axis
         if not pieces.crosses_pieces(1, shift) and not obstacle.surface_crosses_avatar(
             positions + shift, faces
