@@ -98,7 +98,7 @@ class Drape(DrapeState):
         """Draw sewn cloth apart where it is tangled, and let the avatar take on its true shape."""
         relax_tangles(self)
         if len(self.growth) > 1:
-            ease(self)
+            ease(self, self.plan.falling_steps)
         for shape in self.growth:
             if not self.stopped():
                 self.phase = "growing"

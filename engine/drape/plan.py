@@ -66,8 +66,9 @@ class DrapePlan:
     growth_patience
         Steps for which cloth may hold the avatar back before the rest grows on, and then before what is left
         takes its true shape.
-    easing_steps
-        Steps under gravity but without friction before the garment settles.
+    easing_steps, falling_steps
+        Steps under gravity but without friction before the garment settles; steps more, at most, where limbs
+        that were out of the way come back: what is to hang must hang by then.
     waist_stiffness
         Stiffness that keeps waistbands at their height meanwhile [N/m].
     rms_motion, peak_motion
@@ -106,6 +107,7 @@ class DrapePlan:
     tangle_frames: int = 15
     late_frames: int = 8
     easing_steps: int = 20
+    falling_steps: int = 60
     waist_stiffness: float = 20.0
     growth_lag: float = 0.002
     growth_patience: int = 40

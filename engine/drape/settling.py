@@ -17,12 +17,17 @@ CALMER, LEAST_SHARE = 0.8, 0.25
 FARTHER, LEAST_MOTION = 2.0, 1e-3
 """Longest motion of a node that a step may ask for, in that of the step before, and at least [m]: contacts
 are searched for all that it asks for, and it is cut down then to what lowers the energy."""
+FALLING = 2e-3
+"""Motion in a step of a tenth of the nodes from which cloth still falls [m]."""
 UNDOING = 0.2
 """Correlation with the last step from which a step is said to undo it."""
 
 
-def ease(drape: DrapeState) -> None:
-    """Let the garment slide into place before friction holds it; waistbands stay at their height."""
+def ease(drape: DrapeState, more: int = 0) -> None:
+    """Let the garment slide into place before friction holds it; waistbands stay at their height.
+
+    It goes on for up to that many steps `more` while cloth falls.
+    """
     plan = drape.plan
     stepper = drape.stepper
     waist = drape.cloth.waist
@@ -32,7 +37,7 @@ def ease(drape: DrapeState) -> None:
     start /= np.bincount(drape.cloth.node, minlength=len(start))[:, None]
     stepper.hold(Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1))))
     h, motion_max = plan.sewing_step, MOTION_MAX
-    for _ in range(plan.easing_steps):
+    for count in range(plan.easing_steps + more):
         if drape.stopped():
             return
         outcome = drape.take(
@@ -44,6 +49,8 @@ def ease(drape: DrapeState) -> None:
         )  # fmt: skip
         motion_max = _may_move(outcome)
         h = min(1.2 * h, plan.longest_step)
+        if count >= plan.easing_steps and np.quantile(outcome.moved, 0.9) < FALLING:
+            break
     stepper.hold(None)
 
 

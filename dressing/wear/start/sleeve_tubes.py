@@ -23,6 +23,8 @@ ROOM = 0.01
 """Room around an arm within the edge of its sleeve [m]."""
 HAND = 0.1
 """How far before a tube that no arm reaches into the hand is looked for [m]."""
+FAR = 0.05
+"""Distance of a sleeve from its armhole from which it is moved in [m]."""
 STEP, FARTHEST = 0.01, 0.25
 """Steps in which tubes are moved out along the arm, and how far at most [m]."""
 
@@ -66,8 +68,9 @@ def rolled_sleeves(
         notes.append(f"garment {mesh.name}: {names} start rolled around the arm")
     for side in (1.0, -1.0):
         axis = np.array([side * np.cos(arm_angle), -np.sin(arm_angle), 0.0])
-        own = rolled_panels & (side * np.bincount(owner, positions[:, 0], count) > 0.0)
-        positions = _strung(mesh, positions, tube, own, obstacle, axis)
+        panels = rolled_panels & (side * np.bincount(owner, positions[:, 0], count) > 0.0)
+        if panels.any():
+            positions[panels[owner]] += _way_along(mesh, positions, panels, obstacle, axis)
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 
 
@@ -148,44 +151,20 @@ def _off_opening(opening: Float, radius: float, half: float) -> float:
     return 0.0 if low < -half - ROOM and high > half + ROOM else 0.5 * (low + high)
 
 
-def _strung(
-    mesh: GarmentMesh, positions: Float, tube: Int, panels: Bool, obstacle: RigidPieces, axis: Float
-) -> Float:
-    """Positions [m], shape (m, 3), with the tubes of an arm moved along it, one after the other from the
-    shoulder, until their edges meet and they cut neither body nor panels.
+def _way_along(mesh: GarmentMesh, positions: Float, panels: Bool, obstacle: RigidPieces, axis: Float) -> Float:
+    """Shortest shift along an arm [m], shape (3,), after which its tubes cut neither body nor panels.
 
-    `tube` is the number of every panel's tube, shape (p,), and `panels` marks those of the arm. Tubes that
-    start farther out would be dragged in while their own seams still close, and fingers reach out between them.
+    Tubes far out start farther in, where the armhole's edges meet: they would be dragged in along the arm
+    while their own seams still close.
     """
-    owner = owner_of(mesh)
-    along = np.bincount(owner, positions @ axis) / np.maximum(np.bincount(owner), 1)
-    numbers = sorted(np.unique(tube[panels]), key=lambda number: along[panels & (tube == number)].mean())
-    positions = positions.copy()
-    left = panels.copy()
-    for number in numbers:
-        own = panels & (tube == number)
-        shift = _way_along(mesh, positions, own, ~left, obstacle, axis)
-        positions[left[owner]] += shift
-        left &= ~own
-    return positions
-
-
-def _way_along(
-    mesh: GarmentMesh, positions: Float, own: Bool, placed: Bool, obstacle: RigidPieces, axis: Float
-) -> Float:
-    """Shift along an arm [m], shape (3,), after which a tube cuts neither the body nor panels in their places.
-
-    It is the one farthest in, up to where the edges meet that join them.
-    """
-    owner = owner_of(mesh)
-    ends = mesh.stitches[own[owner[mesh.stitches]].any(axis=1) & placed[owner[mesh.stitches]].any(axis=1)]
-    mine = own[owner[ends]]
-    gap = (positions[ends[mine]] - positions[ends[~mine]]) @ axis
-    inward = max(0.0, float(gap.mean()) - ROOM) if len(gap) else 0.0
-    beside = mesh.faces[(own | placed)[mesh.panel]]
-    pieces = RigidPieces(positions, beside, own[mesh.panel[(own | placed)[mesh.panel]]].astype(np.int32), None)
-    faces = mesh.faces[own[mesh.panel]]
-    for distance in np.arange(-STEP * int(inward / STEP), FARTHEST, STEP):
+    faces = mesh.faces[panels[mesh.panel]]
+    own = panels[owner_of(mesh)][mesh.stitches]
+    ends = mesh.stitches[(own.sum(axis=1) == 1) & ~on_sleeves(mesh)[mesh.stitches].all(axis=1)]
+    inner = panels[owner_of(mesh)][ends]
+    gap = (positions[ends[inner]] - positions[ends[~inner]]) @ axis
+    far = float(gap.mean()) - ROOM if len(gap) else 0.0
+    pieces = RigidPieces(positions, mesh.faces, panels[mesh.panel].astype(np.int32), None)
+    for distance in np.arange(-STEP * int(far / STEP) if far > FAR else 0.0, FARTHEST, STEP):
         shift = distance * axis
         if not pieces.crosses_pieces(1, shift) and not obstacle.surface_crosses_avatar(
             positions + shift, faces
