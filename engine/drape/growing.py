@@ -33,7 +33,8 @@ def grow(drape: DrapeState, target: Float, per_step: float) -> None:
     waited = finishing = in_a_row = 0
     tight = False
     while not drape.stopped():
-        merge_late(drape)
+        # Nothing may start to cross while the avatar pushes: it would be drawn apart against it.
+        merge_late(drape, clean=True)
         waiting = left >= plan.growth_lag or share == 1.0
         in_a_row = in_a_row + 1 if waiting else 0
         tight = tight or in_a_row > TIGHT_AFTER

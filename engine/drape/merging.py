@@ -25,8 +25,11 @@ def join_touching(drape: DrapeState) -> None:
         drape.phase = "growing" if drape.growth else "settling"
 
 
-def merge(drape: DrapeState) -> None:
-    """Move the nodes of closed stitches together as far as is safe, and merge those that arrived."""
+def merge(drape: DrapeState, clean: bool = False) -> None:
+    """Move the nodes of closed stitches together as far as is safe, and merge those that arrived.
+
+    What crosses then may pass through itself; where no cloth may, and if `clean`, stitches at fault stay open.
+    """
     gaps = drape.gaps()
     near = gaps < drape.plan.merge_gap
     stepper = drape.stepper
@@ -53,7 +56,7 @@ def merge(drape: DrapeState) -> None:
         crossings = drape.audit()
         if not (len(crossings.avatar) or len(crossings.cloth)):
             return
-        if not drape.solid:
+        if not (drape.solid or clean):
             let_pass_crossings(drape, crossings)
             return
         crossing = np.concatenate([crossings.avatar[:, 0], crossings.cloth.ravel()])
@@ -69,11 +72,14 @@ def restart_near(drape: DrapeState, cloth: Cloth, body_radius: float | None) -> 
         drape.stepper.collisions.set_body_radius(body_radius)
 
 
-def merge_late(drape: DrapeState) -> bool:
-    """Every few steps, merge stitches that have closed since; return whether any were."""
+def merge_late(drape: DrapeState, clean: bool = False) -> bool:
+    """Every few steps, merge stitches that have closed since; return whether any were.
+
+    If `clean`, none is merged with cloth in between.
+    """
     if not len(drape.cloth.stitches) or drape.record.steps % drape.plan.steps_per_frame:
         return False
     count = len(drape.cloth.stitches)
     if (drape.gaps() < drape.plan.merge_gap).any():
-        merge(drape)
+        merge(drape, clean)
     return len(drape.cloth.stitches) < count

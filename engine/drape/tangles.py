@@ -33,12 +33,20 @@ def relax_tangles(drape: DrapeState) -> None:
         if drape.stopped() or disentangle(drape, effort):
             return
         _draw_apart(drape, effort)
-        effort = min(2.0 * effort, GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT)
+        effort = 1.0 if effort >= (GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT) else 2.0 * effort
     disentangle(drape)
 
 
 def close_late(drape: DrapeState) -> None:
-    """Close what is still open: cloth around it may pass through itself, and is then drawn apart."""
+    """Close what is still open: cloth around it may pass through itself, and is then drawn apart.
+
+    What is nearly closed may close without that.
+    """
+    gaps = drape.gaps()
+    if not (drape.solid or drape.ghost.any()) and 0.0 < gaps.max(initial=0.0) < drape.plan.merge_gap:
+        _draw_apart(drape, 1.0, clean=True)
+        if (drape.gaps() < drape.plan.closed_gap).all():
+            return
     for _ in range(0 if drape.solid else drape.plan.late_frames):
         if drape.stopped() or not len(drape.cloth.stitches):
             break
@@ -47,13 +55,16 @@ def close_late(drape: DrapeState) -> None:
     relax_tangles(drape)
 
 
-def _draw_apart(drape: DrapeState, effort: float) -> None:
-    """Make a frame of steps in which tangled cloth is drawn apart and stitches close."""
+def _draw_apart(drape: DrapeState, effort: float, clean: bool = False) -> None:
+    """Make a frame of steps in which tangled cloth is drawn apart and stitches close.
+
+    If `clean`, none is merged with cloth in between.
+    """
     plan = drape.plan
     for _ in range(plan.steps_per_frame):
         if drape.stopped():
             return
-        merge_late(drape)
+        merge_late(drape, clean)
         drape.take(
             StepRequest(
                 h=plan.sewing_step, at_rest=True, gravity=0.0, friction=False,
