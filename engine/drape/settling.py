@@ -17,8 +17,9 @@ CALMER, LEAST_SHARE = 0.8, 0.25
 FARTHER, LEAST_MOTION = 2.0, 1e-3
 """Longest motion of a node that a step may ask for, in that of the step before, and at least [m]: contacts
 are searched for all that it asks for, and it is cut down then to what lowers the energy."""
-FALLING = 2e-3
-"""Motion in a step of a tenth of the nodes from which cloth still falls [m]."""
+FALLING, CALM = 2e-3, 6
+"""Motion in a step of a tenth of the nodes from which cloth still falls [m]; how many steps in a row must be
+calmer until it hangs."""
 UNDOING = 0.2
 """Correlation with the last step from which a step is said to undo it."""
 
@@ -36,7 +37,7 @@ def ease(drape: DrapeState, more: int = 0) -> None:
     np.add.at(start, drape.cloth.node, drape.cloth.start_positions)
     start /= np.bincount(drape.cloth.node, minlength=len(start))[:, None]
     stepper.hold(Holds(waist, start[waist], np.tile([0.0, 1.0, 0.0], (len(waist), 1))))
-    h, motion_max = plan.sewing_step, MOTION_MAX
+    h, motion_max, calm = plan.sewing_step, MOTION_MAX, 0
     for count in range(plan.easing_steps + more):
         if drape.stopped():
             return
@@ -49,7 +50,9 @@ def ease(drape: DrapeState, more: int = 0) -> None:
         )  # fmt: skip
         motion_max = _may_move(outcome)
         h = min(1.2 * h, plan.longest_step)
-        if count >= plan.easing_steps and np.quantile(outcome.moved, 0.9) < FALLING:
+        # Steps are cut short now and then: a single one says little.
+        calm = calm + 1 if np.quantile(outcome.moved, 0.9) < FALLING else 0
+        if count >= plan.easing_steps and calm >= CALM:
             break
     stepper.hold(None)
 

@@ -1,8 +1,9 @@
 """Sleeves start rolled around the arms, and clear of the bodice.
 
 Front and back of a sleeve lie between those of the bodice. Flat, they reach in beside the armholes, and the
-bodice closes upon them. Rolled about the arm, their edges face each other, and the tube is moved out along
-the arm until it cuts nothing.
+bodice closes upon them. Rolled about the arm, their edges face each other. The tube lies so that the arm, or
+the hand where a cuff lies beyond it, passes the opening of its outer edge, and as far out along the arm as it
+must to cut nothing.
 """
 
 from dataclasses import replace
@@ -93,7 +94,7 @@ def _rolled(
     faces = mesh.faces[panels[mesh.panel]]
     for factor in WIDER:
         trial = positions.copy()
-        aside = _off_opening(opening - middle, factor * radius, 0.5 * thickness)
+        aside = off_opening(opening - middle, factor * radius, 0.5 * thickness)
         centre = across_arm - aside, depth
         trial[own] = rolled(positions[own], facing[owner[own]], factor * radius, axis, middle, centre)
         if not obstacle.surface_crosses_avatar(trial, faces):
@@ -137,7 +138,7 @@ def _outer_edge(mesh: GarmentMesh, panels: Bool, along: Float) -> Bool:
     return marked & own
 
 
-def _off_opening(opening: Float, radius: float, half: float) -> float:
+def off_opening(opening: Float, radius: float, half: float) -> float:
     """How far the middle of a rolled edge lies from the middle of its tube [m], if an arm is outside of it.
 
     `opening` is where the points of the edge lie across the tube while that is flat [m]. A sleeve that narrows

@@ -17,7 +17,7 @@ from toile.dressing.wear.arms import on_sleeves
 from toile.dressing.wear.start.hung_below import ROOM, hung_below
 from toile.dressing.wear.start.raised_arms import STAGES, raised_arms
 from toile.dressing.wear.start.rings import facing_of, owner_of, rolled, rolled_rings
-from toile.dressing.wear.start.sleeve_tubes import rolled_sleeves
+from toile.dressing.wear.start.sleeve_tubes import FAR, off_opening, rolled_sleeves
 from toile.geometry.arrays import Float
 
 
@@ -81,6 +81,39 @@ def test_edges_that_are_sewn_start_near_each_other(shirt: GarmentMesh, worn: Gar
 
     assert np.median(gaps(worn)) < 0.4 * np.median(gaps(shirt))
     assert gaps(worn).max() < gaps(shirt).max()
+
+
+def test_a_sleeve_placed_far_out_starts_at_its_armhole(
+    shirt: GarmentMesh, body: Avatar, measured: Measurements
+) -> None:
+    obstacle = (body.vertices, body.faces)
+    ringed, _ = rolled_rings(shirt, obstacle, measured.shoulder_point[1])
+    out = np.sign(ringed.positions[:, :1]) * [np.cos(measured.arm_angle), 0.0, 0.0]
+    out[:, 1] = -np.sin(measured.arm_angle)
+    sleeves = on_sleeves(ringed)
+    far = replace(ringed, positions=ringed.positions + 0.2 * sleeves[:, None] * out)
+    rolled_far, _ = rolled_sleeves(far, obstacle, measured, measured.arm_angle)
+    joins = sleeves[ringed.stitches].sum(axis=1) == 1
+    ends = ringed.stitches[joins]
+    own = sleeves[ends]
+
+    def away(mesh: GarmentMesh) -> float:
+        """How far the edges of armholes are apart along the arms, on average."""
+        between = mesh.positions[ends[own]] - mesh.positions[ends[~own]]
+        return float(np.mean(np.sum(between * out[ends[own]], axis=1)))
+
+    assert away(far) > 0.2
+    assert abs(away(rolled_far)) < FAR
+
+
+def test_an_arm_passes_the_opening_of_a_sleeve_that_narrows_much() -> None:
+    """An opening that reaches from 5 to 20 cm above the middle of a tube of 18 cm does not hold the arm."""
+    opening, radius, half = np.linspace(0.05, 0.2, 9), 0.18, 0.03
+    middle = 0.5 * radius * (np.sin(0.05 / radius) + np.sin(0.2 / radius))
+    assert off_opening(opening, radius, half) == pytest.approx(middle)
+    assert off_opening(-opening, radius, half) == pytest.approx(-middle)
+    assert off_opening(np.linspace(-0.1, 0.2, 9), radius, half) == 0.0, "it lies around the arm as it is"
+    assert off_opening(np.empty(0), radius, half) == 0.0
 
 
 def test_what_is_no_ring_stays_flat(shirt: GarmentMesh, body: Avatar, measured: Measurements) -> None:
