@@ -10,6 +10,9 @@ from toile.engine.forces.step_request import StepRequest
 LARGEST_EFFORT, GENTLE_EFFORT = 16.0, 4.0
 """Largest effort at the first attempt, which loosens most, and the second, which makes fewer new tangles."""
 
+FEW, AGAIN = 10, 10
+"""Crossings that are worth another try, and for how many frames."""
+
 
 def disentangle(drape: DrapeState, effort: float = 1.0) -> bool:
     """Make cloth that crosses nothing any more solid again; return whether all of it is.
@@ -25,15 +28,20 @@ def disentangle(drape: DrapeState, effort: float = 1.0) -> bool:
 def relax_tangles(drape: DrapeState) -> None:
     """Draw tangled cloth apart, without gravity, until nothing crosses any more or patience ends.
 
-    Whatever resists is drawn harder, over a wider patch, from frame to frame.
+    Whatever resists is drawn harder, over a wider patch, from frame to frame. The last few crossings, which
+    that only shifts about, are then drawn apart from the gentlest on once more.
     """
     plan = drape.plan
     effort = 1.0
-    for _ in range(plan.tangle_frames):
+    for count in range(plan.tangle_frames + AGAIN):
+        if count == plan.tangle_frames:
+            effort = 1.0
         if drape.stopped() or disentangle(drape, effort):
             return
+        if count == plan.tangle_frames and sum(drape.record.crossings[-1]) > FEW:
+            return
         _draw_apart(drape, effort)
-        effort = 1.0 if effort >= (GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT) else 2.0 * effort
+        effort = min(2.0 * effort, GENTLE_EFFORT if drape.gentle else LARGEST_EFFORT)
     disentangle(drape)
 
 
