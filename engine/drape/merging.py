@@ -28,7 +28,7 @@ def join_touching(drape: DrapeState) -> None:
 def merge(drape: DrapeState, clean: bool = False) -> None:
     """Move the nodes of closed stitches together as far as is safe, and merge those that arrived.
 
-    What crosses then may pass through itself; where no cloth may, and if `clean`, stitches at fault stay open.
+    What crosses then may pass through itself. Where no cloth may, or if `clean`, stitches at fault stay open.
     """
     gaps = drape.gaps()
     near = gaps < drape.plan.merge_gap

@@ -105,7 +105,7 @@ def _rolled(
 def _arm(
     body: Float, axis: Float, along: Float, near: tuple[float, float]
 ) -> tuple[tuple[float, float], float]:
-    """Middle of an arm across its direction and in depth, and its thickness [m], along a tube's outer half."""
+    """Middle of an arm across its direction and in depth, and its thickness [m], in a tube's outer half."""
     t, s = body[:, :2] @ np.array([-axis[1], axis[0]]), body[:, :2] @ axis
     beside = (np.abs(t - near[0]) < ARM) & (np.abs(body[:, 2] - near[1]) < ARM) & (s < along.max())
     own = beside & (s > 0.5 * (along.min() + along.max()))
@@ -141,9 +141,9 @@ def _outer_edge(mesh: GarmentMesh, panels: Bool, along: Float) -> Bool:
 def off_opening(opening: Float, radius: float, half: float) -> float:
     """How far the middle of a rolled edge lies from the middle of its tube [m], if an arm is outside of it.
 
-    `opening` is where the points of the edge lie across the tube while that is flat [m]. A sleeve that narrows
-    much has its opening on one side of the tube, and the arm would lie in the gap of its underarm seam. 0 where
-    an arm in the middle, `half` as thick [m], passes through the opening.
+    `opening` is where the points of the edge lie across the tube while that is flat [m], shape (k,). A sleeve
+    that narrows much has its opening on one side of the tube, and the arm would lie in the gap of its underarm
+    seam. 0 where an arm in the middle, `half` of whose thickness is given [m], passes through the opening.
     """
     if not len(opening):
         return 0.0
@@ -152,7 +152,9 @@ def off_opening(opening: Float, radius: float, half: float) -> float:
     return 0.0 if low < -half - ROOM and high > half + ROOM else 0.5 * (low + high)
 
 
-def _way_along(mesh: GarmentMesh, positions: Float, panels: Bool, obstacle: RigidPieces, axis: Float) -> Float:
+def _way_along(
+    mesh: GarmentMesh, positions: Float, panels: Bool, obstacle: RigidPieces, axis: Float
+) -> Float:
     """Shortest shift along an arm [m], shape (3,), after which its tubes cut neither body nor panels.
 
     Tubes far out start farther in, where the armhole's edges meet: they would be dragged in along the arm

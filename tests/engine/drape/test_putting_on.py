@@ -1,4 +1,4 @@
-"""While a garment is put on: cloth falls before limbs come back, and late stitches take no cloth between them."""
+"""While a garment is put on cloth falls before limbs come back, and late stitches take none between them."""
 
 from dataclasses import replace
 
