@@ -24,7 +24,7 @@ ROOM = 0.01
 """Room around an arm within the edge of its sleeve [m]."""
 HAND = 0.1
 """How far before a tube that no arm reaches into the hand is looked for [m]."""
-FAR = 0.05
+FAR = 0.1
 """Distance of a sleeve from its armhole from which it is moved in [m]."""
 STEP, FARTHEST = 0.01, 0.25
 """Steps in which tubes are moved out along the arm, and how far at most [m]."""
@@ -142,8 +142,8 @@ def off_opening(opening: Float, radius: float, half: float) -> float:
     """How far the middle of a rolled edge lies from the middle of its tube [m], if an arm is outside of it.
 
     `opening` is where the points of the edge lie across the tube while that is flat [m], shape (k,). A sleeve
-    that narrows much has its opening on one side of the tube, and the arm would lie in the gap of its underarm
-    seam. 0 where an arm in the middle, `half` of whose thickness is given [m], passes through the opening.
+    that narrows much has its opening on one side of the tube, and the arm would lie in the gap of its
+    underarm seam. 0 where an arm in the middle, `half` as wide to either side [m], passes the opening.
     """
     if not len(opening):
         return 0.0
