@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from toile.dressing.body.mannequin import mannequin
     from toile.dressing.body.measure import measure
     from toile.dressing.body.measurements import Measurements
+    from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey
     from toile.dressing.garment.fabrics import fabric, fabrics
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
     from toile.dressing.garment.garment_mesh import GarmentMesh
@@ -72,6 +73,8 @@ _HOME = {
     "Live": "toile.dressing.live.live_scene",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
+    "Obstacle": "toile.dressing.body.obstacles.obstacle",
+    "ObstacleKey": "toile.dressing.body.obstacles.obstacle",
     "Painted": "toile.dressing.garment.fields.field",
     "Panel": "toile.dressing.pattern.pattern",
     "Pattern": "toile.dressing.pattern.pattern",
@@ -125,6 +128,8 @@ __all__ = [
     "Live",
     "MannequinSize",
     "Measurements",
+    "Obstacle",
+    "ObstacleKey",
     "Painted",
     "Panel",
     "Pattern",

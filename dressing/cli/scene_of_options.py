@@ -54,6 +54,8 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         else Garment(source)
         for source in options.garment
     )  # fmt: skip
+    if options.obstacle:
+        given["obstacles"] = tuple(options.obstacle)
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:

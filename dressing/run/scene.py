@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.obstacles.obstacle import Obstacle, given_obstacles
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.fit.fit_words import check_fit
@@ -21,10 +22,12 @@ from toile.dressing.garment.given_values import (
     checked_text,
     given_friction,
     given_garment,
+    given_ground,
     given_names,
     given_path,
     given_pins,
     given_real,
+    given_remesh,
     given_warp,
 )
 from toile.dressing.pattern.pattern import Fold, Pattern
@@ -32,7 +35,7 @@ from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
-from toile.geometry.given_numbers import is_real, real, shown, truth, whole
+from toile.geometry.given_numbers import real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
 
 OFF = "off"  # the `lead_in` of an avatar that has none
@@ -288,6 +291,8 @@ class Scene:
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only). Of films: "glb",
         one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
+    obstacles
+        Solids beside the body: Obstacle, or files of them.
     ground
         Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
     fit, certificate
@@ -311,6 +316,7 @@ class Scene:
     ground: bool | float = True
     fit: str = "off"
     certificate: bool = False
+    obstacles: Sequence[Obstacle] = ()
 
     if TYPE_CHECKING:
 
@@ -324,6 +330,7 @@ class Scene:
             gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None, certificate: bool = False,
             friction_between: Mapping[tuple[str, str], SupportsFloat] = ..., air: Air | None = None,
             formats: str | Sequence[str] = (), ground: bool | SupportsFloat = True,
+            obstacles: Sequence[Obstacle | str | Path | Avatar] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -350,16 +357,8 @@ class Scene:
                 _set(self, **{name: real(getattr(self, name), name, low, high, unit)})
         if self.max_frames is not None:
             _set(self, max_frames=whole(self.max_frames, "max_frames", 1, 1_000_000))
-        if not isinstance(self.remesh, SizingOptions):
-            if is_real(self.remesh) or isinstance(self.remesh, str):
-                raise InputError(
-                    f"remesh must be True, False or SizingOptions, got {shown(self.remesh)}", field="remesh"
-                )
-            _set(self, remesh=truth(self.remesh, "remesh"))
-        if is_real(self.ground):
-            _set(self, ground=real(self.ground, "ground", -1000.0, 1000.0, "m"))
-        else:
-            _set(self, ground=truth(self.ground, "ground"))
+        _set(self, remesh=given_remesh(self.remesh), ground=given_ground(self.ground))
+        _set(self, obstacles=given_obstacles(self.obstacles))
         if not isinstance(self.air, Air | None):
             raise InputError(
                 f"air must be an Air, such as Air(velocity=(0, 0, 5)), got {shown(self.air)}", field="air"
