@@ -21,7 +21,8 @@ from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 
 EDGE = 0.05
-"""Longest edges of an obstacle that does not deform [m]: contact spreads over the area of its vertices."""
+"""Edges of solids that do not deform are split into pieces of this length [m]: contact counts the area of
+their vertices."""
 
 
 @dataclass(frozen=True, kw_only=True)
