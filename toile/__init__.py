@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from toile.dressing.body.measurements import Measurements
     from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey
     from toile.dressing.garment.fabrics import fabric, fabrics
+    from toile.dressing.garment.fields.closure import Closure
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
@@ -55,6 +56,7 @@ _HOME = {
     "Avatar": "toile.dressing.body.avatar",
     "AvatarFile": "toile.dressing.run.scene",
     "BatchStopped": "toile.dressing.batch.batch_stopped",
+    "Closure": "toile.dressing.garment.fields.closure",
     "DressedGarment": "toile.dressing.run.result",
     "Edge": "toile.dressing.pattern.pattern",
     "EdgePart": "toile.dressing.pattern.seam",
@@ -110,6 +112,7 @@ __all__ = [
     "Avatar",
     "AvatarFile",
     "BatchStopped",
+    "Closure",
     "DressedGarment",
     "Edge",
     "EdgePart",

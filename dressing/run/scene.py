@@ -14,6 +14,7 @@ from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
+from toile.dressing.garment.fields.closure import Closure
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
@@ -174,14 +175,9 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
-    fields
-        Values on parts of it that differ from its fabric's: Field.
-    elastic
-        Elastic along edges: Elastic.
-    holds
-        Where a film holds it, and when: Hold.
-    gas
-        Gas in it, if it is closed: Filling.
+    fields, elastic, holds, gas, closures
+        Values on parts of it, elastic along edges, where a film holds it, gas in it, buttons and zips: Field,
+        Elastic, Hold, Filling, Closure.
     """
 
     source: str | Path | GarmentMesh | Pattern
@@ -203,12 +199,17 @@ class Garment:
     elastic: Sequence[Elastic] = ()
     holds: Sequence[Hold] = ()
     gas: Filling | None = None
+    closures: Sequence[Closure] = ()
 
     @property
     def parts(self) -> Parts:
         """All that it says of its parts."""
         return Parts(
-            fields=tuple(self.fields), elastic=tuple(self.elastic), holds=tuple(self.holds), gas=self.gas
+            fields=tuple(self.fields),
+            elastic=tuple(self.elastic),
+            holds=tuple(self.holds),
+            gas=self.gas,
+            closures=tuple(self.closures),
         )
 
     if TYPE_CHECKING:
@@ -222,6 +223,7 @@ class Garment:
             panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
             fields: Sequence[Field] = (),
             elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
+            closures: Sequence[Closure] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fields.closure import Closure
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
@@ -234,6 +235,7 @@ class Parts:
     elastic: tuple[Elastic, ...] = ()
     holds: tuple[Hold, ...] = ()
     gas: Filling | None = None
+    closures: tuple[Closure, ...] = ()
 
     @property
     def attributes(self) -> tuple[str, ...]:
@@ -243,7 +245,7 @@ class Parts:
 
     def __bool__(self) -> bool:
         """Whether there is anything."""
-        return bool(self.fields or self.elastic or self.holds or self.gas)
+        return bool(self.fields or self.elastic or self.holds or self.gas or self.closures)
 
 
 def _check_value(name: str, value: FieldValue) -> None:

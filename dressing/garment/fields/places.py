@@ -48,6 +48,11 @@ def cuts_of(parts: Parts, levels: Sequence[dict[str, Level]], pattern: Pattern) 
         for part in () if one.run is None else run_parts(one.run, pattern):
             ends = [at for at in (part.start, part.end) if 0.0 < at < 1.0]
             cuts.setdefault((part.panel, part.edge), []).extend(ends)
+    for closure in parts.closures:
+        for run in (closure.over, closure.under):
+            for part in run_parts(run, pattern):
+                ends = [at for at in (part.start, part.end) if 0.0 < at < 1.0]
+                cuts.setdefault((part.panel, part.edge), []).extend(ends)
     return {key: sorted(at) for key, at in cuts.items() if at}
 
 

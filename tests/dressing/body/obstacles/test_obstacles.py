@@ -90,7 +90,9 @@ def test_beside_a_body_that_stands_the_film_lasts_as_long_as_an_obstacle_moves()
     turned = Place(origin=(1.0, 0.0, 0.0), turn=90.0)
     motion = beside(body, [solid], turned).motion
     assert motion is not None and len(motion.frames) == 13 and motion.fps == 24.0
-    assert np.allclose(turned.outward(motion.frames[-1, 8:]), body.vertices + 0.5, atol=1e-6)
+    assert np.allclose(
+        turned.outward(np.asarray(motion.frames[-1, 8:], np.float64)), body.vertices + 0.5, atol=1e-6
+    )
     assert beside(body, [solid], turned, still=True).motion is None
 
 
