@@ -1,30 +1,31 @@
-"""A vest with five buttons, open to the third from the top, over the mannequin.
+"""A close vest with six buttons, open to the third from the top, over the mannequin.
 
-A back and two fronts that overlap by 3 cm; the left one lies on top. Rows are closed from the hem: three fifths
-of it here. Run: python examples/buttoned_vest.py [FOLDER]
+A back and two fronts that overlap by 3 cm; the left one lies on top. Rows close from where they begin, here
+from the hem. Run: python examples/buttoned_vest.py [FOLDER]
 """
 
 import sys
 
 import toile
 
-BUTTONS, CLOSED = 5, 3
+BUTTONS, CLOSED = 6, 4
 OVERLAP = 0.03
 """By how much the fronts overlap [m]; buttons sit in the middle of that."""
 
 
 def vest(body: toile.Measurements) -> toile.Pattern:
     """Return a back and two fronts from the hip to the shoulders, sewn along sides and shoulders."""
-    wide = 0.25 * body.hip + 0.04
+    wide, narrow = 0.25 * body.hip, 0.25 * body.chest - 0.01
     hem, arm = body.hip_height, body.armpit_height - 0.04
     tip = (body.shoulder_point[0], body.shoulder_point[1] + 0.01)
     neck = (0.5 * body.neck_width + 0.025, body.neck_height + 0.005)
-    top, half = body.armpit_height + 0.01, 0.5 * OVERLAP
-    left = ((-half, hem), (wide, hem), (wide, arm), tip, neck, (-half, top))
+    top, half = body.armpit_height + 0.04, 0.5 * OVERLAP
+    left = ((-half, hem), (wide, hem), (narrow, arm), tip, neck, (-half, top))
     right = tuple((-x, y) for x, y in (left[1], left[0], left[5], left[4], left[3], left[2]))
     back = (
-        (wide, hem), (-wide, hem), (-wide, arm), (-tip[0], tip[1]), (-neck[0], neck[1]), neck, tip, (wide, arm)
-    )  # fmt: skip
+        *((wide, hem), (-wide, hem), (-narrow, arm), (-tip[0], tip[1])),
+        *((-neck[0], neck[1]), neck, tip, (narrow, arm)),
+    )
     behind, ahead = (z + gap for z, gap in zip(body.torso_depth, (-0.04, 0.04), strict=True))
 
     def panel(
