@@ -176,8 +176,7 @@ class Garment:
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
     fields, elastic, holds, gas, closures
-        Values on parts of it, elastic along edges, where a film holds it, gas in it, buttons and zips: Field,
-        Elastic, Hold, Filling, Closure.
+        Values on parts of it, elastic, holds of a film, gas, buttons and zips: Field, Elastic and so on.
     """
 
     source: str | Path | GarmentMesh | Pattern

@@ -240,8 +240,8 @@ CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
         batch, blender_scene, buttoned_vest, compare_fabrics, dress_mannequin, gathered_skirt, layers,
-        made_to_measure, moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, pleated_skirt,
-        results_in_numpy,
+        made_to_measure, moving_body, own_draft, own_fabric, own_force, own_garment_reader,
+        own_pattern, pleated_skirt, results_in_numpy,
         scene_file, sheet_on_sphere,
     )
 }  # fmt: skip

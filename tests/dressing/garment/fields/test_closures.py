@@ -19,7 +19,8 @@ from toile.geometry.errors import InputError
 
 
 def closure(**given: Any) -> Closure:
-    return Closure(**({"kind": "buttons", "over": "right.1", "under": "left.3", "count": 3} | given))
+    usual: dict[str, Any] = {"kind": "buttons", "over": "right.1", "under": "left.3", "count": 3}
+    return Closure(**(usual | given))
 
 
 def test_buttons_lie_inside_of_their_edges_opposite_each_other() -> None:

@@ -134,7 +134,7 @@ def test_points_lie_in_the_cloth_where_they_did_after_remeshing() -> None:
     def there(now: Cloth) -> Float:
         chosen: Int = np.arange(len(now.faces), dtype=np.int32)
         found = found_points(marked, chosen, now.rest_space[now.faces])
-        return np.einsum("kq,kqi->ki", found.weights, now.rest_space[now.faces[found.face]])
+        return np.asarray(np.einsum("kq,kqi->ki", found.weights, now.rest_space[now.faces[found.face]]))
 
     after = adapted(cloth).cloth
     assert len(after.faces) != len(cloth.faces)
