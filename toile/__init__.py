@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from toile.dressing.garment.fabrics import fabric, fabrics
     from toile.dressing.garment.fields.closure import Closure
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
+    from toile.dressing.garment.fields.patch import Patch
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
     from toile.dressing.live.live_scene import Live, live
@@ -79,6 +80,7 @@ _HOME = {
     "ObstacleKey": "toile.dressing.body.obstacles.obstacle",
     "Painted": "toile.dressing.garment.fields.field",
     "Panel": "toile.dressing.pattern.pattern",
+    "Patch": "toile.dressing.garment.fields.patch",
     "Pattern": "toile.dressing.pattern.pattern",
     "ProgressState": "toile.dressing.run.progress",
     "Result": "toile.dressing.run.result",
@@ -135,6 +137,7 @@ __all__ = [
     "ObstacleKey",
     "Painted",
     "Panel",
+    "Patch",
     "Pattern",
     "ProgressState",
     "Result",

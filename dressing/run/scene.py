@@ -16,6 +16,7 @@ from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.fields.closure import Closure
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
+from toile.dressing.garment.fields.patch import Patch
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
     check_fabric,
@@ -167,7 +168,7 @@ class Garment:
         Lines along which panels are folded at rest, by panel: fold lines and pleats of a pattern.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
-        `units` may also be those of a DXF pattern that does not say them.
+        `units` may also be those of a DXF pattern.
     walls
         How many layers of cloth the two walls of a mesh with thickness are: 1, of that thickness, or 2.
     size, allowance
@@ -175,8 +176,8 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
-    fields, elastic, holds, gas, closures
-        Values on parts of it, elastic, holds of a film, gas, buttons and zips: Field, Elastic and so on.
+    fields, elastic, holds, gas, closures, patches
+        Values on parts, elastic, holds of a film, gas, buttons and zips, pockets: Field, Elastic and so on.
     """
 
     source: str | Path | GarmentMesh | Pattern
@@ -199,6 +200,7 @@ class Garment:
     holds: Sequence[Hold] = ()
     gas: Filling | None = None
     closures: Sequence[Closure] = ()
+    patches: Sequence[Patch] = ()
 
     @property
     def parts(self) -> Parts:
@@ -209,6 +211,7 @@ class Garment:
             holds=tuple(self.holds),
             gas=self.gas,
             closures=tuple(self.closures),
+            patches=tuple(self.patches),
         )
 
     if TYPE_CHECKING:
@@ -222,7 +225,7 @@ class Garment:
             panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
             fields: Sequence[Field] = (),
             elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
-            closures: Sequence[Closure] = (),
+            closures: Sequence[Closure] = (), patches: Sequence[Patch] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -272,13 +275,11 @@ class Scene:
         User-defined fabrics by name; they win over presets of the same name.
     quality
         "preview", "standard" or "accurate".
-    edge_length
-        Edge length of the triangles [m]; None takes the quality's.
+    edge_length, max_frames
+        Edges of the triangles [m], frames after which the drape stops; None takes the quality's.
     remesh
         Whether the mesh adapts to the folds once the garment is sewn, or how: SizingOptions. The garment is
         then sewn in coarse triangles, and the edge length is that of the finest.
-    max_frames
-        Frames after which the drape stops; None takes the quality's.
     gravity
         Downward acceleration [m/s^2].
     friction
@@ -292,10 +293,8 @@ class Scene:
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only). Of films: "glb",
         one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
-    obstacles
-        Solids beside the body: Obstacle, or files of them.
-    ground
-        Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
+    obstacles, ground
+        Solids beside the body; whether there is a floor under its feet, or the height of a floor [m].
     fit, certificate
         "maps" or "checked" (with error bars) writes how garments fit; True writes certificate.json.
     """

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fields.closure import Closure
+from toile.dressing.garment.fields.patch import Patch
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
@@ -236,6 +237,7 @@ class Parts:
     holds: tuple[Hold, ...] = ()
     gas: Filling | None = None
     closures: tuple[Closure, ...] = ()
+    patches: tuple[Patch, ...] = ()
 
     @property
     def attributes(self) -> tuple[str, ...]:
@@ -245,7 +247,7 @@ class Parts:
 
     def __bool__(self) -> bool:
         """Whether there is anything."""
-        return bool(self.fields or self.elastic or self.holds or self.gas or self.closures)
+        return any(vars(self).values())
 
 
 def _check_value(name: str, value: FieldValue) -> None:

@@ -89,7 +89,8 @@ class FasteningPull(ElementForce):
         normal, _ = self._normals(x)
         length = np.linalg.norm(apart, axis=1)
         slack = np.maximum(length - self._offset, 0.0) / np.maximum(length, LEAST)
-        return np.where(self._aside[:, None], apart - self._offset[:, None] * normal, slack[:, None] * apart)
+        shank = apart - self._offset[:, None] * normal
+        return np.asarray(np.where(self._aside[:, None], shank, slack[:, None] * apart))
 
     def _normals(self, x: Float) -> tuple[Float, Float]:
         """Return unit normals of the faces beneath, shape (k, 3), and twice their areas [m^2], (k,)."""
