@@ -1,4 +1,4 @@
-"""A close vest with six buttons, open to the third from the top, over the mannequin.
+"""A close vest with six buttons, open to the third from the top, and a pocket, over the mannequin.
 
 A back and two fronts that overlap by 3 cm; the left one lies on top. Rows close from where they begin, here
 from the hem. Run: python examples/buttoned_vest.py [FOLDER]
@@ -11,6 +11,7 @@ import toile
 BUTTONS, CLOSED = 6, 4
 OVERLAP = 0.03
 """By how much the fronts overlap [m]; buttons sit in the middle of that."""
+POCKET = ((0.0, 0.0), (0.1, 0.0), (0.1, 0.12), (0.0, 0.12))
 
 
 def vest(body: toile.Measurements) -> toile.Pattern:
@@ -40,7 +41,7 @@ def vest(body: toile.Measurements) -> toile.Pattern:
         )  # fmt: skip
 
     panels = (panel("left", left, ahead + 0.012, (4,)), panel("right", right, ahead, (2,)),
-              panel("back", back, behind, (4,)))  # fmt: skip
+              panel("back", back, behind, (4,)), panel("pocket", POCKET, ahead + 0.05, ()))  # fmt: skip
     seams = (
         toile.Stitch("left", 1, "back", 7), toile.Stitch("left", 3, "back", 5),
         toile.Stitch("right", 5, "back", 1), toile.Stitch("right", 3, "back", 3),
@@ -56,7 +57,9 @@ def main(output: str = "out", edge_length: float | None = None, quality: str = "
         kind="buttons", over="-left.5", under="-right.1", count=BUTTONS, inset=0.5 * OVERLAP, ends=0.03,
         closed=CLOSED / BUTTONS,
     )  # fmt: skip
-    garment = toile.Garment("vest", fabric="cotton-poplin", closures=(buttons,))
+    # Three edges of the pocket, down, across and up; the vest hangs above the floor as it is drawn.
+    pocket = toile.Patch(run="pocket.3 + pocket.0 + pocket.1", onto="left", at=(0.06, 0.93))
+    garment = toile.Garment("vest", fabric="cotton-poplin", closures=(buttons,), patches=(pocket,))
     scene = toile.Scene(garments=[garment], quality=quality, edge_length=edge_length)
     result = toile.dress(scene, output=output, say=print)
     print(f"{result.status}: {CLOSED} of {BUTTONS} buttons are closed")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, cKDTree
 
 import toile
 from toile.dressing.garment import readers
@@ -210,10 +210,9 @@ def buttoned_vest(result: toile.Result, _: Path) -> None:
     (vest,) = result.garments
     example = import_module("examples.buttoned_vest")
     names = list(vest.panel_names)
-    height = np.ptp(vest.uv[vest.uv_faces[vest.panel == names.index("left")], 1])
-    low = vest.uv[:, 1].min()
-    top = vest.uv[np.isclose(vest.uv[:, 0], 0.5 * example.OVERLAP), 1].max()
-    assert top - low < height
+    front = vest.uv[np.unique(vest.uv_faces[vest.panel == names.index("left")])]
+    middle = front[np.isclose(front[:, 0], -0.5 * example.OVERLAP), 1]
+    low, top = middle.min(), middle.max()
     places = np.linspace(low + 0.03, top - 0.03, example.BUTTONS)
     sides = []
     for name in ("left", "right"):
@@ -222,6 +221,12 @@ def buttoned_vest(result: toile.Result, _: Path) -> None:
         found = found_points(points, own, np.pad(vest.uv[vest.uv_faces], ((0, 0), (0, 0), (0, 1))))
         sides.append(np.einsum("kq,kqi->ki", found.weights, vest.positions[vest.faces[found.face]]))
     apart = sides[0] - sides[1]
+    pocket = np.unique(vest.faces[vest.panel == names.index("pocket")])
+    left = np.unique(vest.faces[vest.panel == names.index("left")])
+    # The pocket lies flat on the front, outside of it.
+    away, near = cKDTree(vest.positions[left]).query(vest.positions[pocket])
+    assert np.median(away) < 0.012
+    assert np.median(vest.positions[pocket, 2] - vest.positions[left][near, 2]) > 0.0005
     # Those that are closed are as far apart as they shall be, and the left front lies on top; above it gapes.
     assert np.linalg.norm(apart[: example.CLOSED], axis=1).max() < 0.008
     assert apart[: example.CLOSED, 2].min() > 0.001
