@@ -9,7 +9,8 @@ import trimesh
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey
-from toile.dressing.run.dress import dress
+from toile.dressing.run.dress import dress, resume
+from toile.dressing.run.progress import ProgressState
 from toile.dressing.run.result import Result
 from toile.dressing.run.scene import Garment, Scene
 
@@ -68,3 +69,19 @@ def test_the_ball_lifts_the_cloth_that_hangs_over_it(scene: Scene, film: tuple[P
         places = one.garments[0].positions
         above = np.hypot(places[:, 0] - 0.4, places[:, 2]) < 0.03
         assert above.any() and places[above, 1].min() > height - 0.008
+
+
+def test_a_broken_off_film_goes_on_to_the_same_bytes(
+    scene: Scene, film: tuple[Path, Result], tmp_path: Path
+) -> None:
+    started = False
+
+    def stop(state: ProgressState) -> bool:
+        nonlocal started
+        started = started or (state.max_frames == 3 and state.frame == 0)
+        return not (started and state.frame == 1)
+
+    assert dress(scene, tmp_path, stop).status == "cancelled"
+    assert resume(tmp_path).status == "converged"
+    for path in (film[0] / "frames").iterdir():
+        assert (tmp_path / "frames" / path.name).read_bytes() == path.read_bytes()
