@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from toile.collide.shrunken import shrunken
 from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.obstacles.beside import without_obstacles
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
@@ -155,7 +156,8 @@ def _put_on(
     growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
     obstacle = (clothed.on(thin), clothed.faces)
     arm_angle = 0.0 if body is None else float(LEVEL if raised is not None else body.arm_angle)
-    meshes, said = start_places([mesh for mesh, _ in garments], obstacle, body, arm_angle)
+    dressed = without_obstacles(*obstacle, avatar.obstacles)
+    meshes, said = start_places([mesh for mesh, _ in garments], dressed, obstacle, body, arm_angle)
     notes += said
     at_once, when_sewn = pins_in_time(meshes, options.pins)
     cloth = assemble_cloth(

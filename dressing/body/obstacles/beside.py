@@ -12,6 +12,7 @@ from toile.dressing.body.obstacles.solid import Solid
 from toile.dressing.body.place import Place
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.forces.contact_pairs import SkinPart
+from toile.geometry.arrays import Float, Int
 
 
 def beside(avatar: Avatar, solids: Sequence[Solid], place: Place, *, still: bool = False) -> Avatar:
@@ -72,3 +73,13 @@ def _motion(avatar: Avatar, solids: Sequence[Solid], place: Place, still: bool) 
             frames[index, begin : begin + len(shape)] = place.inward(shape)
             begin += len(shape)
     return VertexMotion(frames=frames, fps=fps, lead=lead)
+
+
+def without_obstacles(vertices: Float, faces: Int, parts: Sequence[SkinPart]) -> tuple[Float, Int]:
+    """Return a surface, vertices (v, 3) and faces (t, 3), without the vertices of obstacles in it."""
+    if not parts:
+        return vertices, faces
+    begin, end = parts[0].begin, parts[-1].end
+    kept = faces[~((faces >= begin) & (faces < end)).any(axis=1)]
+    renumbered = np.where(kept >= end, kept - (end - begin), kept)
+    return np.delete(vertices, np.s_[begin:end], axis=0), np.ascontiguousarray(renumbered, np.int32)

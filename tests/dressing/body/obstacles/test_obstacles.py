@@ -9,7 +9,7 @@ import trimesh
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
-from toile.dressing.body.obstacles.beside import beside
+from toile.dressing.body.obstacles.beside import beside, without_obstacles
 from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey, given_obstacles
 from toile.dressing.body.obstacles.solid import EDGE, Solid, placed, read_obstacle
 from toile.dressing.body.place import ROOM, Place
@@ -79,6 +79,19 @@ def test_one_surface_with_the_body_in_its_film_and_after_its_lead_in() -> None:
     assert np.array_equal(both.alone.vertices, body.vertices) and np.array_equal(both.alone.faces, body.faces)
     assert both.alone.motion is not None and np.array_equal(both.alone.motion.frames, frames)
     assert beside(moving, [], ROOM) is moving
+
+
+def test_garments_start_around_the_body_and_what_it_wears_without_obstacles() -> None:
+    """A worn garment comes after the obstacles."""
+    body = crate()
+    solid = Solid(name="ball", friction=None, vertices=body.vertices + 5.0, faces=body.faces)
+    both = beside(body, [solid], ROOM)
+    worn = np.concatenate([both.vertices, body.vertices + 9.0])
+    faces = np.concatenate([both.faces, body.faces + np.int32(16)])
+    vertices, left = without_obstacles(worn, faces, both.obstacles)
+    assert np.array_equal(vertices, np.concatenate([body.vertices, body.vertices + 9.0]))
+    assert np.array_equal(left, np.concatenate([body.faces, body.faces + 8]))
+    assert without_obstacles(worn, faces, ())[0] is worn
 
 
 def test_beside_a_body_that_stands_the_film_lasts_as_long_as_an_obstacle_moves() -> None:
