@@ -71,6 +71,8 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
     if garments:
         given["garments"] = garments
+    if options.obstacle:
+        given["obstacles"] = (*scene.obstacles, *options.obstacle)
     if wind is not None:
         given["air"] = replace(scene.air or Air(), velocity=wind)
     return replace(scene, **given)

@@ -13,6 +13,8 @@ from toile.dressing.body.obstacles.beside import beside, without_obstacles
 from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey, given_obstacles
 from toile.dressing.body.obstacles.solid import EDGE, Solid, placed, read_obstacle
 from toile.dressing.body.place import ROOM, Place
+from toile.dressing.cli.main import command_parser
+from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.garment.fabrics import fabrics
 from toile.dressing.run.scene_file import load_scene
 from toile.engine.cloth.flat_cloth import flat_cloth
@@ -168,3 +170,29 @@ def test_a_missing_file_and_two_of_one_name_are_told(tmp_path: Path) -> None:
         read_obstacle(Obstacle(tmp_path / "none.obj"), crate())
     with pytest.raises(InputError, match="that name is taken"):
         given_obstacles([crate(), crate()])
+
+
+def test_a_file_that_deforms_is_where_its_frames_have_it_and_keys_move_it_on(tmp_path: Path) -> None:
+    """It is in centimetres, Z up; its third frame is twice as high as its first."""
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    low = np.asarray(box.vertices) + np.array([0.0, 0.0, 10.0])
+    frames = np.stack([low, low * [1.0, 1.0, 1.5], low * [1.0, 1.0, 2.0]])
+    np.savez(tmp_path / "cushion.npz", vertices=frames, faces=np.asarray(box.faces), fps=10.0)
+    given = Obstacle(tmp_path / "cushion.npz", units="cm", up="z")
+    solid = read_obstacle(given, crate())
+    assert solid.at is not None and solid.fps == 10.0 and solid.seconds == pytest.approx(0.2)
+    for time, height in ((0.0, 0.2), (0.1, 0.3), (0.2, 0.4), (5.0, 0.4)):
+        assert np.ptp(solid.at(time), axis=0) == pytest.approx([0.4, height, 0.3], abs=1e-6)
+    keys = (ObstacleKey(time=0.0), ObstacleKey(time=0.4, move=(0.0, 1.0, 0.0)))
+    both = read_obstacle(replace(given, keys=keys), crate())
+    assert both.at is not None and both.seconds == 0.4
+    assert np.allclose(both.at(0.1), solid.at(0.1) + np.array([0.0, 0.25, 0.0]))
+
+
+def test_options_of_the_command_line_come_after_those_of_a_scene_file(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text('[[garment]]\nsource = "tshirt"\n[[obstacle]]\nfile = "chair.obj"\n')
+    options = command_parser().parse_args(
+        ["dress", str(path), "--obstacle", "ball.obj", "--obstacle", "bed.obj"]
+    )
+    assert [one.called for one in scene_of(options).obstacles] == ["chair", "ball", "bed"]
