@@ -41,11 +41,14 @@ class AvatarSurface:
         Places that they are on the way to [m], shape (v, 3), beyond the step at hand; None where not known.
     off_course
         How far from the straight way there they will be at most [m], shape (v,).
+    rows
+        Numbers of its vertices in the whole avatar, shape (v,), where it is a part of one; else None.
     """
 
-    def __init__(self, vertices: Float, faces: Int) -> None:
+    def __init__(self, vertices: Float, faces: Int, rows: Int | None = None) -> None:
         self.vertices = vertices.copy()
         self.faces = faces
+        self.rows = rows
         self.surface = surface_of(faces)
         self.motion = np.zeros(len(vertices))
         self.drift: Float | None = None

@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     from toile.dressing.body.mannequin import mannequin
     from toile.dressing.body.measure import measure
     from toile.dressing.body.measurements import Measurements
+    from toile.dressing.body.obstacles.obstacle import Obstacle, ObstacleKey
     from toile.dressing.garment.fabrics import fabric, fabrics
+    from toile.dressing.garment.fields.closure import Closure
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
+    from toile.dressing.garment.fields.patch import Patch
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
     from toile.dressing.live.live_scene import Live, live
@@ -54,6 +57,7 @@ _HOME = {
     "Avatar": "toile.dressing.body.avatar",
     "AvatarFile": "toile.dressing.run.scene",
     "BatchStopped": "toile.dressing.batch.batch_stopped",
+    "Closure": "toile.dressing.garment.fields.closure",
     "DressedGarment": "toile.dressing.run.result",
     "Edge": "toile.dressing.pattern.pattern",
     "EdgePart": "toile.dressing.pattern.seam",
@@ -72,8 +76,11 @@ _HOME = {
     "Live": "toile.dressing.live.live_scene",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
+    "Obstacle": "toile.dressing.body.obstacles.obstacle",
+    "ObstacleKey": "toile.dressing.body.obstacles.obstacle",
     "Painted": "toile.dressing.garment.fields.field",
     "Panel": "toile.dressing.pattern.pattern",
+    "Patch": "toile.dressing.garment.fields.patch",
     "Pattern": "toile.dressing.pattern.pattern",
     "ProgressState": "toile.dressing.run.progress",
     "Result": "toile.dressing.run.result",
@@ -107,6 +114,7 @@ __all__ = [
     "Avatar",
     "AvatarFile",
     "BatchStopped",
+    "Closure",
     "DressedGarment",
     "Edge",
     "EdgePart",
@@ -125,8 +133,11 @@ __all__ = [
     "Live",
     "MannequinSize",
     "Measurements",
+    "Obstacle",
+    "ObstacleKey",
     "Painted",
     "Panel",
+    "Patch",
     "Pattern",
     "ProgressState",
     "Result",

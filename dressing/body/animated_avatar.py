@@ -75,7 +75,7 @@ def load_animated_avatar(
     """
     with about(file=path):
         _check_words(path, reading, fps, clip)
-        moving = _read_motion(path, fps, clip)
+        moving = read_motion(path, fps, clip)
         reading = _completed(reading, moving)
         if len(moving.frames) > 1:
             return moving_avatar(path, moving, reading, fps)
@@ -101,7 +101,7 @@ def led_in_avatars(
     with about(file=path):
         if not _has_skeleton(path):
             return
-        moving = _read_motion(path, fps, clip)
+        moving = read_motion(path, fps, clip)
         count = max(round(seconds * (fps or moving.fps or DEFAULT_FPS)), 1)
         axis = "xyz".index(up)
         seen: list[Float] = []
@@ -190,7 +190,7 @@ def _has_skeleton(path: Path) -> bool:
     return has_skeleton(path) if _is_gltf(path) and has_animation(path) else has_usd_skeleton(path)
 
 
-def _read_motion(path: Path, fps: float | None, clip: str | None) -> MovingSurface:
+def read_motion(path: Path, fps: float | None, clip: str | None) -> MovingSurface:
     """Return the frames of a file or folder; those of glTF are sampled."""
     if not _is_gltf(path):
         return _read_frames(path)
@@ -216,14 +216,14 @@ def moving_avatar(path: Path, moving: MovingSurface, reading: Reading, fps: floa
     metres = np.stack([upright(frame[used], avatar.up_axis) * scale for frame in moving.frames])
     own_fps = fps or moving.fps
     motion = VertexMotion(
-        frames=_followed(avatar.vertices, metres), fps=own_fps or DEFAULT_FPS, lead=moving.lead
+        frames=followed(avatar.vertices, metres), fps=own_fps or DEFAULT_FPS, lead=moving.lead
     )
     assumed = "" if own_fps else " (assumed; set fps to change it)"
     count = f"{len(metres) - moving.lead} frames at {motion.fps:g} per second{assumed}"
     return replace(avatar, motion=motion, notes=(*avatar.notes, *moving.notes, count))
 
 
-def _followed(vertices: Float, frames: Float) -> Float:
+def followed(vertices: Float, frames: Float) -> Float:
     """Let repaired vertices, shape (v, 3), follow the file's over time, shape (k, n, 3), [m]."""
     distance, nearest = cKDTree(frames[0]).query(vertices, k=BOUND_TO)
     distance, nearest = np.asarray(distance), np.asarray(nearest)

@@ -17,6 +17,7 @@ from toile.dressing.files.corner_surface import Surface
 from toile.dressing.files.read_surface import FORMATS, GLTF, read_surface
 from toile.dressing.files.unknown_format import unknown_format
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.forces.contact_pairs import SkinPart
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError, about
 from toile.geometry.given_arrays import floats, indices
@@ -50,6 +51,8 @@ class Avatar:
         Whether it is in its own frame (see `Place`) and not wherever a file has it.
     repaired
         Whether toile has closed it and turned it outward: one that is made by hand is, when it is dressed.
+    obstacles
+        Vertices after those of the body that belong to obstacles beside it, in their order.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -65,6 +68,7 @@ class Avatar:
     solid: tuple[Float, Int] | None = None
     placed: bool = False
     repaired: bool = False
+    obstacles: tuple[SkinPart, ...] = ()
 
     def __post_init__(self) -> None:
         """Take arrays of any numeric type."""
@@ -78,6 +82,24 @@ class Avatar:
                 f"{len(vertices)}",
                 field="motion",
             )
+
+    @property
+    def body_count(self) -> int:
+        """Number of vertices of the body, which come first."""
+        return self.obstacles[0].begin if self.obstacles else len(self.vertices)
+
+    @property
+    def alone(self) -> "Avatar":
+        """The body without obstacles beside it."""
+        if not self.obstacles:
+            return self
+        count = self.body_count
+        motion = self.motion
+        return replace(
+            self, vertices=self.vertices[:count], faces=self.faces[(self.faces < count).all(axis=1)],
+            motion=None if motion is None else replace(motion, frames=motion.frames[:, :count]),
+            obstacles=(),
+        )  # fmt: skip
 
     def to_source(self, positions: npt.ArrayLike) -> Float:
         """Positions in the source file's own units and axes, from positions [m], Y up, shape (n, 3)."""

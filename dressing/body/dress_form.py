@@ -31,6 +31,13 @@ class DressForm:
         self.avatar = self.place.own(avatar)
         self.given = dict(given or {})
 
+    def beside(self, avatar: Avatar) -> "DressForm":
+        """Return the form with its avatar among obstacles, in its own frame, and the same measurements."""
+        other = copy(self)
+        other.__dict__["_completed"] = self._completed
+        other.avatar = avatar
+        return other
+
     def with_skin(self, vertices: Float) -> "DressForm":
         """Return the form with its skin elsewhere [m], shape (v, 3), and the measurements of this one."""
         other = copy(self)
@@ -52,7 +59,7 @@ class DressForm:
 
         measured: Measurements | InputError
         try:
-            measured = measure(self.avatar)
+            measured = measure(self.avatar.alone)
         except InputError as error:
             measured = error
         return completed(self.avatar, measured, self.given) if self.given else (measured, ())

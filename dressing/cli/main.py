@@ -169,6 +169,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     )  # fmt: skip
     _add_measurements(dress)
     dress.add_argument(
+        "--obstacle", type=Path, action="append", metavar="FILE",
+        help="a solid beside BODY, such as furniture, in its units and axes; repeat for more",
+    )  # fmt: skip
+    dress.add_argument(
         "--garment",
         action="append",
         default=[],

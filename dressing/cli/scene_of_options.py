@@ -54,6 +54,8 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         else Garment(source)
         for source in options.garment
     )  # fmt: skip
+    if options.obstacle:
+        given["obstacles"] = tuple(options.obstacle)
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:
@@ -69,6 +71,8 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
     if garments:
         given["garments"] = garments
+    if options.obstacle:
+        given["obstacles"] = (*scene.obstacles, *options.obstacle)
     if wind is not None:
         given["air"] = replace(scene.air or Air(), velocity=wind)
     return replace(scene, **given)

@@ -37,7 +37,7 @@ def read_surface(path: Path, what: str, shape: Float | None = None) -> MeshFile:
         If the file is missing or cannot be read.
     """
     if not is_file(path):
-        kind = "avatar" if what == "the body" else "garment"
+        kind = {"the body": "avatar", "the obstacle": "obstacle"}.get(what, "garment")
         raise InputError(f"{path}: {kind} file not found; check the path", file=path)
     if not path.stat().st_size:
         raise InputError(f"{path}: the file is empty; export {what} again: it has no faces", file=path)

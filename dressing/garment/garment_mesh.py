@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
     from toile.dressing.garment.trims import Trims
     from toile.engine.cloth.fields.edge_runs import EdgeRun
+    from toile.engine.cloth.fields.fastenings import Fastening
     from toile.engine.cloth.fields.fields import Fields
     from toile.engine.cloth.fields.gas import Gas
     from toile.engine.cloth.fields.timed_pins import RunHold
@@ -115,6 +116,8 @@ class GarmentMesh:
         on, pairs of material vertices (k, 2); None of a whole panel. Lines are set where it is placed.
     gas
         Gas in it.
+    fastenings
+        Points that are fastened to each other, as of its only garment.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -149,6 +152,7 @@ class GarmentMesh:
     elastic: "tuple[tuple[EdgeRun, Int], ...]" = ()
     holds: "tuple[tuple[RunHold, Int | None], ...]" = ()
     gas: "tuple[Gas, ...]" = ()
+    fastenings: "tuple[Fastening, ...]" = ()
 
     def __post_init__(self) -> None:
         """Take arrays of any numeric type, checked."""

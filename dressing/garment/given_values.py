@@ -10,7 +10,8 @@ from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.pattern import Pattern
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
-from toile.geometry.given_numbers import is_real, is_whole, real, shown
+from toile.geometry.given_numbers import is_real, is_whole, real, shown, truth
+from toile.remesh.sizing.sizing import SizingOptions
 
 
 def given_path(value: object, field: str) -> Path:
@@ -108,6 +109,22 @@ def check_fabrics(fabrics: object) -> None:
         if not isinstance(fabric, Fabric):
             raise InputError(f"fabrics: '{name}' must be a Fabric, got {shown(fabric)}", field="fabrics")
         checked_fabric(fabric)
+
+
+def given_remesh(value: object) -> bool | SizingOptions:
+    """Return whether a mesh adapts, or how. Raises InputError unless it says so."""
+    if isinstance(value, SizingOptions):
+        return value
+    if is_real(value) or isinstance(value, str):
+        raise InputError(f"remesh must be True, False or SizingOptions, got {shown(value)}", field="remesh")
+    return truth(value, "remesh")
+
+
+def given_ground(value: object) -> bool | float:
+    """Return whether there is a floor, or its height [m]. Raises InputError unless it says so."""
+    if is_real(value):
+        return real(value, "ground", -1000.0, 1000.0, "m")
+    return truth(value, "ground")
 
 
 def given_friction(pairs: object) -> dict[tuple[str, str], float]:

@@ -104,6 +104,17 @@ class Air:
         )  # fmt: skip
 
 
+AIR_KEYS: dict[str, tuple[Any, str]] = {
+    "velocity": (list, "mean wind [m/s], x, y, z with Y up, default still: [0, 0, 0]"),
+    "gusts": ((int, float), "standard deviation of gusts over the mean speed, default 0"),
+    "eddies": ((int, float), "size of gusts [m], default 2"),
+    "seed": (int, "which gusts, default 0"),
+    "drag": ((int, float), "drag coefficient of cloth across the flow, default 1"),
+    "lift": ((int, float), "lift coefficient, from 0 (drag only) to that of drag, default 1"),
+}
+"""Keys of [air] to their accepted types and meanings."""
+
+
 def plate_resistance(speed: float, coefficient: float = 1.0) -> float:
     """Linear resistance [N s/m^3] that equals the drag of a plate of that coefficient at `speed` [m/s]."""
     return 0.5 * DENSITY * coefficient * speed

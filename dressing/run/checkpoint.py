@@ -142,4 +142,7 @@ def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:
     measurements = scene.measurements
     if isinstance(measurements, Path):
         measurements = measurements.absolute()
-    return replace(scene, avatar=avatar, measurements=measurements, garments=garments)
+    obstacles = tuple(
+        replace(one, source=one.path.absolute()) if one.path is not None else one for one in scene.obstacles
+    )
+    return replace(scene, avatar=avatar, measurements=measurements, garments=garments, obstacles=obstacles)

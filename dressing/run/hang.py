@@ -11,7 +11,9 @@ import numpy as np
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.dress_form import DressForm
-from toile.dressing.body.place import Place
+from toile.dressing.body.obstacles.beside import beside
+from toile.dressing.body.obstacles.solid import Solid, read_obstacle
+from toile.dressing.body.place import ROOM, Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.drawn.read_drawn import DRAWN_FORMATS
 from toile.dressing.pattern.pattern import Pattern
@@ -55,7 +57,7 @@ ALL_WORK = 3.5e6
 class _Sewing:
     """The last sewing attempt, and the time of all attempts: reading, and by stages.
 
-    `form` is the body as cloth meets it.
+    `form` is the body as cloth meets it, among obstacles.
     """
 
     form: DressForm
@@ -81,12 +83,16 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     for note in _doubts(scene, form):
         listener.say(f"{avatar.name}: {note}")
     loading = load_scene_kernels(scene, checkpoint is not None, listener)
+    solids = _solids(scene, avatar, listener)
+    opened = avatar.motion is None and form.avatar.motion is not None
+    avatar = beside(avatar, solids, ROOM)
     _say_jump(avatar, listener)
     reading = now().less(started).less(loading)
-    sewing = _sew(scene, form, checkpoint, listener)
-    moved = form
-    if avatar.motion is None and form.avatar.motion is not None:
-        sewing, moved = _closed(sewing, own, listener, scene.tolerance), own
+    moved = form if not solids else form.beside(beside(form.avatar, solids, form.place, still=opened))
+    sewing = _sew(scene, form, moved, checkpoint, listener)
+    if opened:
+        moved = own if not solids else own.beside(beside(own.avatar, solids, own.place))
+        sewing = _closed(sewing, moved, listener, scene.tolerance)
     outcome, form = sewing.outcome, sewing.form
     if form.avatar is not moved.avatar:
         avatar = replace(avatar, vertices=form.place.outward(form.avatar.vertices))
@@ -115,6 +121,15 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
         avatar=replace(avatar, motion=None), body=form.avatar, place=form.place, drape=outcome,
         garments=garments, report=report, sizing=sewing.options.sizing,
     )  # fmt: skip
+
+
+def _solids(scene: ResolvedScene, avatar: Avatar, listener: Listener) -> list[Solid]:
+    """Return the obstacles beside the avatar, read, and say what was repaired."""
+    solids = [read_obstacle(obstacle, avatar) for obstacle in scene.obstacles]
+    for solid in solids:
+        for note in solid.notes:
+            listener.say(f"{solid.name}: {note}")
+    return solids
 
 
 def _closed(sewing: _Sewing, own: DressForm, listener: Listener, tolerance: float) -> _Sewing:
@@ -205,8 +220,14 @@ def load_scene_kernels(scene: ResolvedScene, draws: bool, listener: Listener) ->
     return now().less(started)
 
 
-def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, listener: Listener) -> _Sewing:
-    """Read and drape the garments, in other triangles where seams jam."""
+def _sew(
+    scene: ResolvedScene, form: DressForm, around: DressForm, checkpoint: Checkpoint | None,
+    listener: Listener,
+) -> _Sewing:  # fmt: skip
+    """Read and drape the garments, in other triangles where seams jam.
+
+    Garments are made for the body of `form`, and meet the same one among obstacles, `around`.
+    """
     from toile.dressing.wear.put_on import drape
     from toile.dressing.wear.skins_apart import skins_apart
 
@@ -214,11 +235,13 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
     stages: dict[str, Spent] = {}
     work = last_work = 0
     meshes: list[GarmentMesh] = []
-    worn = form
+    worn = around
     for edges in scene.sewing:
         started = now()
         before, meshes = meshes, [load_garment(garment, form, edges) for garment in scene.garments]
         options = _options(scene, meshes, edges, form)
+        if around.avatar.obstacles:
+            options = replace(options, obstacles=around.avatar.obstacles)
         if work >= MOST_RETRIED:
             options = replace(options, persistent=True, most_work=_work_left(meshes, work, last_work))
         reading = reading.plus(now().less(started))
@@ -231,7 +254,7 @@ def _sew(scene: ResolvedScene, form: DressForm, checkpoint: Checkpoint | None, l
         if checkpoint is not None and edges == scene.sewing[0]:
             # Only after everything was read: a typing error must not delete a run that can be resumed.
             checkpoint.begin(scene)
-        worn, said = skins_apart(form, meshes)
+        worn, said = skins_apart(around, meshes)
         if said is not None and edges == scene.sewing[0]:
             listener.say(f"{form.avatar.name}: {said}")
         outcome = drape(worn, cloth, options, listener.on_frame(scene.tolerance))

@@ -7,6 +7,7 @@ from pathlib import Path
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.given_measurements import NAMES, Given
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.obstacles.obstacle import Obstacle
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.field import Parts
@@ -98,7 +99,7 @@ class ResolvedScene:
         Coefficients of pairs of fabrics that are worn, or of one and "body", by their names.
     air
         Air around garments that follow a body in motion, or None.
-    formats, ground, fit, certificate
+    formats, ground, fit, certificate, obstacles
         As in `Scene`.
     """
 
@@ -119,6 +120,7 @@ class ResolvedScene:
     ground: bool | float
     fit: str = OFF
     certificate: bool = False
+    obstacles: Sequence[Obstacle] = ()
 
     def on_another_mesh(self, factor: float) -> "ResolvedScene":
         """Return the same scene in triangles longer by a factor."""
@@ -167,13 +169,20 @@ def resolve(scene: Scene) -> ResolvedScene:
         gravity=scene.gravity,
         friction=scene.friction,
         friction_between=_friction_between(
-            scene.friction_between, [*cloth, *(entry for panels in panel_cloth for entry in panels.values())]
+            scene.friction_between,
+            [
+                *(fabric.name for fabric in cloth),
+                *(entry.name for panels in panel_cloth for entry in panels.values()),
+                "body",
+                *(obstacle.called for obstacle in scene.obstacles),
+            ],
         ),
         air=None if scene.air is None else scene.air.flow(),
         formats=scene.formats,
         ground=scene.ground,
         fit=scene.fit,
         certificate=scene.certificate,
+        obstacles=scene.obstacles,
     )  # fmt: skip
 
 
@@ -273,10 +282,10 @@ def _sewing(sizing: SizingOptions | None, edge_length: float) -> tuple[SewingEdg
 
 
 def _friction_between(
-    pairs: Mapping[tuple[str, str], float], worn: list[Fabric]
+    pairs: Mapping[tuple[str, str], float], names: list[str]
 ) -> dict[frozenset[str], float]:
-    """Return the coefficients of named pairs, names checked against the fabrics that are worn."""
-    known = dict.fromkeys([*(fabric.name for fabric in worn), "body"])
+    """Return the coefficients of named pairs, names checked against what there is."""
+    known = dict.fromkeys(names)
     for pair in pairs:
         for name in pair:
             if name not in known:

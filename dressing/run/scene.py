@@ -9,11 +9,14 @@ import numpy.typing as npt
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
+from toile.dressing.body.obstacles.obstacle import Obstacle, given_obstacles
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
+from toile.dressing.garment.fields.closure import Closure
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
+from toile.dressing.garment.fields.patch import Patch
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
     check_fabric,
@@ -21,10 +24,12 @@ from toile.dressing.garment.given_values import (
     checked_text,
     given_friction,
     given_garment,
+    given_ground,
     given_names,
     given_path,
     given_pins,
     given_real,
+    given_remesh,
     given_warp,
 )
 from toile.dressing.pattern.pattern import Fold, Pattern
@@ -32,7 +37,7 @@ from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.errors import InputError
-from toile.geometry.given_numbers import is_real, real, shown, truth, whole
+from toile.geometry.given_numbers import real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
 
 OFF = "off"  # the `lead_in` of an avatar that has none
@@ -163,7 +168,7 @@ class Garment:
         Lines along which panels are folded at rest, by panel: fold lines and pleats of a pattern.
     units, up
         Units and up axis of a mesh file; None takes the avatar file's if it has one, or recognises them.
-        `units` may also be those of a DXF pattern that does not say them.
+        `units` may also be those of a DXF pattern.
     walls
         How many layers of cloth the two walls of a mesh with thickness are: 1, of that thickness, or 2.
     size, allowance
@@ -171,14 +176,8 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
-    fields
-        Values on parts of it that differ from its fabric's: Field.
-    elastic
-        Elastic along edges: Elastic.
-    holds
-        Where a film holds it, and when: Hold.
-    gas
-        Gas in it, if it is closed: Filling.
+    fields, elastic, holds, gas, closures, patches
+        Values on parts, elastic, holds of a film, gas, buttons and zips, pockets: Field, Elastic and so on.
     """
 
     source: str | Path | GarmentMesh | Pattern
@@ -200,12 +199,19 @@ class Garment:
     elastic: Sequence[Elastic] = ()
     holds: Sequence[Hold] = ()
     gas: Filling | None = None
+    closures: Sequence[Closure] = ()
+    patches: Sequence[Patch] = ()
 
     @property
     def parts(self) -> Parts:
         """All that it says of its parts."""
         return Parts(
-            fields=tuple(self.fields), elastic=tuple(self.elastic), holds=tuple(self.holds), gas=self.gas
+            fields=tuple(self.fields),
+            elastic=tuple(self.elastic),
+            holds=tuple(self.holds),
+            gas=self.gas,
+            closures=tuple(self.closures),
+            patches=tuple(self.patches),
         )
 
     if TYPE_CHECKING:
@@ -219,6 +225,7 @@ class Garment:
             panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
             fields: Sequence[Field] = (),
             elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
+            closures: Sequence[Closure] = (), patches: Sequence[Patch] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -268,13 +275,11 @@ class Scene:
         User-defined fabrics by name; they win over presets of the same name.
     quality
         "preview", "standard" or "accurate".
-    edge_length
-        Edge length of the triangles [m]; None takes the quality's.
+    edge_length, max_frames
+        Edges of the triangles [m], frames after which the drape stops; None takes the quality's.
     remesh
         Whether the mesh adapts to the folds once the garment is sewn, or how: SizingOptions. The garment is
         then sewn in coarse triangles, and the edge length is that of the finest.
-    max_frames
-        Frames after which the drape stops; None takes the quality's.
     gravity
         Downward acceleration [m/s^2].
     friction
@@ -288,8 +293,8 @@ class Scene:
         Formats in which garments are written beside PLY and OBJ, with their panels, pattern coordinates and
         strain: "vtu", "vtk", "xdmf", "msh" (Gmsh), "inp" (Abaqus; shapes and panels only). Of films: "glb",
         one animated moving.glb of all; "mdd", a point cache per garment, whose mesh must stay (remesh=False).
-    ground
-        Whether there is a floor under the feet of a body that stands, or the height of a floor [m].
+    obstacles, ground
+        Solids beside the body; whether there is a floor under its feet, or the height of a floor [m].
     fit, certificate
         "maps" or "checked" (with error bars) writes how garments fit; True writes certificate.json.
     """
@@ -311,6 +316,7 @@ class Scene:
     ground: bool | float = True
     fit: str = "off"
     certificate: bool = False
+    obstacles: Sequence[Obstacle] = ()
 
     if TYPE_CHECKING:
 
@@ -324,6 +330,7 @@ class Scene:
             gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None, certificate: bool = False,
             friction_between: Mapping[tuple[str, str], SupportsFloat] = ..., air: Air | None = None,
             formats: str | Sequence[str] = (), ground: bool | SupportsFloat = True,
+            obstacles: Sequence[Obstacle | str | Path | Avatar] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -350,16 +357,8 @@ class Scene:
                 _set(self, **{name: real(getattr(self, name), name, low, high, unit)})
         if self.max_frames is not None:
             _set(self, max_frames=whole(self.max_frames, "max_frames", 1, 1_000_000))
-        if not isinstance(self.remesh, SizingOptions):
-            if is_real(self.remesh) or isinstance(self.remesh, str):
-                raise InputError(
-                    f"remesh must be True, False or SizingOptions, got {shown(self.remesh)}", field="remesh"
-                )
-            _set(self, remesh=truth(self.remesh, "remesh"))
-        if is_real(self.ground):
-            _set(self, ground=real(self.ground, "ground", -1000.0, 1000.0, "m"))
-        else:
-            _set(self, ground=truth(self.ground, "ground"))
+        _set(self, remesh=given_remesh(self.remesh), ground=given_ground(self.ground))
+        _set(self, obstacles=given_obstacles(self.obstacles))
         if not isinstance(self.air, Air | None):
             raise InputError(
                 f"air must be an Air, such as Air(velocity=(0, 0, 5)), got {shown(self.air)}", field="air"

@@ -10,7 +10,6 @@ A complete example::
     [[garment]]
     source = "trousers"
     fabric = "my denim"
-    pins = ["lower_interface"]
 
     [fabric."my denim"]
     like = "denim-12oz"
@@ -27,6 +26,8 @@ from pathlib import Path
 from typing import Any
 
 from toile.dressing.body.given_measurements import measurements_of
+from toile.dressing.body.obstacles.obstacle import Obstacle
+from toile.dressing.body.obstacles.obstacle_table import OBSTACLE_HEADING, OBSTACLE_KEYS, obstacle_of
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
@@ -34,7 +35,7 @@ from toile.dressing.garment.fabric_keys import FABRIC_KEYS, SUPPLIERS, supplied_
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.pattern.fold_table import folds_of
-from toile.dressing.run.air import Air
+from toile.dressing.run.air import AIR_KEYS, Air
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
 from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
@@ -63,6 +64,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
+        "obstacle": (list, "tables: one [[obstacle]] for each solid beside the body"),
         "fabric": (dict, "tables: one [fabric.NAME] for each fabric of your own"),
     },
     "remesh": {
@@ -73,14 +75,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "refine_compression": (NUMBER, "edge length over the inverse root of compression [m]"),
         "aspect_min": (NUMBER, "shortest over longest wanted edge of a triangle"),
     },
-    "air": {
-        "velocity": (list, "mean wind [m/s], x, y, z with Y up, default still: [0, 0, 0]"),
-        "gusts": (NUMBER, "standard deviation of gusts over the mean speed, default 0"),
-        "eddies": (NUMBER, "size of gusts [m], default 2"),
-        "seed": (int, "which gusts, default 0"),
-        "drag": (NUMBER, "drag coefficient of cloth across the flow, default 1"),
-        "lift": (NUMBER, "lift coefficient, from 0 (drag only) to that of drag, default 1"),
-    },
+    "air": AIR_KEYS,
     "avatar": {
         "file": (str, "OBJ PLY STL GLB VRM USD VTU VTK XDMF INP MSH; one that moves: .npz .glb .usd, folder"),
         "fps": (NUMBER, "frames per second of a moving body (default: the file's own, or 24)"),
@@ -95,10 +90,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
         "only": (list, "names of the parts that are the body, with wildcards"),
         "without": (list, "names of parts that are not (hair, lashes, helpers, floors: recognised)"),
-        "measurements": (
-            (str, dict),
-            "file or table [cm, degrees] of those used instead of what toile takes",
-        ),
+        "measurements": ((str, dict), "file or table [cm, degrees] of those used instead of toile's"),
         "height": (NUMBER, "height of the built-in mannequin [m], instead of a file"),
         "chest": (NUMBER, "its chest circumference [m]"),
         "waist": (NUMBER, "its waist circumference [m]"),
@@ -126,6 +118,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         **GARMENT_KEYS,
     },
     **PART_KEYS,
+    "obstacle": OBSTACLE_KEYS,
     "fabric": FABRIC_KEYS,
 }
 """Table name to key to (accepted types, meaning)."""
@@ -163,7 +156,7 @@ def scene_keys_help() -> str:
     """Return the table of all keys as text."""
     lines: list[str] = []
     for table, keys in SCENE_KEYS.items():
-        heading = {"": "top level", "fabric": "[fabric.NAME]", **PART_HEADINGS}
+        heading = {"": "top level", "fabric": "[fabric.NAME]", **PART_HEADINGS, **OBSTACLE_HEADING}
         lines.append(heading.get(table, f"[{table}]"))
         lines += [f"  {key:<19}{meaning}" for key, (_, meaning) in keys.items()]
     return "\n".join(lines)
@@ -198,6 +191,7 @@ class _SceneReader:
             "measurements": self._measurements(data.get("avatar", {}).get("measurements")),
             "remesh": self._remesh(data.get("remesh", True), data),
             "air": self._air(data["air"]) if "air" in data else None,
+            "obstacles": self._obstacles(data.get("obstacle", [])),
         }
         with self._placed():
             return Scene(garments=garments, fabric=data.get("default_fabric"), fabrics=own, **tables, **plain)
@@ -242,6 +236,14 @@ class _SceneReader:
         self._check_keys(values, "air", ("air",))
         with self._placed("air"):
             return Air(**values)
+
+    def _obstacles(self, tables: list[Any]) -> list[Obstacle]:
+        """Return the obstacles of the [[obstacle]] tables."""
+        found = []
+        for index, table in enumerate(tables):
+            with self._placed("obstacle", index):
+                found.append(obstacle_of(table, self.path.parent))
+        return found
 
     @contextmanager
     def _placed(self, *table: str | int) -> Iterator[None]:

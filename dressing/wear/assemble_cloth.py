@@ -100,6 +100,9 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
         creases=Creases.of(fabrics, len(fabric_of)),
         folds=None if folds is None else _stiffened(folds, fabrics, fabric_of),
         gas=tuple(replace(gas, garment=k) for k, (mesh, _) in enumerate(garments) for gas in mesh.gas),
+        fastenings=tuple(
+            row.of_garment(k) for k, (mesh, _) in enumerate(garments) for row in mesh.fastenings
+        ),
     )
     return _with_parts(cloth, [mesh for mesh, _ in garments], offsets)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from toile.engine.cloth.vertex_motion import VertexMotion
+from toile.engine.forces.contact_pairs import SkinPart
 from toile.geometry.arrays import Float, Int
 from toile.geometry.stage_clock import Spent, together
 from toile.remesh.sizing.sizing import SizingOptions
@@ -55,6 +56,8 @@ class DrapeOptions:
         Height of the floor [m], or None.
     most_work
         As in `DrapePlan`.
+    obstacles
+        Vertices of the avatar that belong to obstacles beside the body.
     """
 
     edge_length: float
@@ -69,6 +72,7 @@ class DrapeOptions:
     persistent: bool = True
     ground: float | None = None
     most_work: float | None = None
+    obstacles: tuple[SkinPart, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

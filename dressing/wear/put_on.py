@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from toile.collide.shrunken import shrunken
 from toile.dressing.body.dress_form import DressForm
+from toile.dressing.body.obstacles.beside import without_obstacles
 from toile.dressing.body.place import Place
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.wear.arms import drawn_in_arms
@@ -136,24 +137,27 @@ def _put_on(
     notes = [f"garment '{mesh.name}': {note}" for mesh, _ in garments for note in mesh.notes]
     shapes = [(avatar.vertices, GROWTH_PER_STEP)]
     body = None if isinstance(form.measured, InputError) else form.measured
-    raised = raised_arms(thin, avatar.faces, body, [mesh for mesh, _ in garments])
-    drawn = drawn_in_arms(thin, body, [mesh for mesh, _ in garments]) if raised is None else None
+    alone, around = thin[: avatar.body_count], thin[avatar.body_count :]
+    raised = raised_arms(alone, avatar.alone.faces, body, [mesh for mesh, _ in garments])
+    drawn = drawn_in_arms(alone, body, [mesh for mesh, _ in garments]) if raised is None else None
     if raised is not None:
         (first, *later), raised_sleeves = raised
-        shapes = [*((shape, ARMS_PER_STEP) for shape in (*later, thin)), *shapes]
-        thin = first
+        later = [*(np.concatenate([shape, around]) for shape in later), thin]
+        shapes = [*((shape, ARMS_PER_STEP) for shape in later), *shapes]
+        thin = np.concatenate([first, around])
         garments = [(mesh, fabric) for mesh, (_, fabric) in zip(raised_sleeves, garments, strict=True)]
         notes.append(
             "the arms are raised until the garment hangs, so that its skirt closes below the sleeves"
         )
     if drawn is not None:
         shapes.insert(0, (thin, ARMS_PER_STEP))
-        thin = drawn
+        thin = np.concatenate([drawn, around])
         notes.append("the arms are drawn in until the garment hangs, so that it does not catch on them")
     growth = [Growth(vertices=clothed.on(shape), per_step=per_step) for shape, per_step in shapes]
     obstacle = (clothed.on(thin), clothed.faces)
     arm_angle = 0.0 if body is None else float(LEVEL if raised is not None else body.arm_angle)
-    meshes, said = start_places([mesh for mesh, _ in garments], obstacle, body, arm_angle)
+    dressed = without_obstacles(*obstacle, avatar.obstacles)
+    meshes, said = start_places([mesh for mesh, _ in garments], dressed, obstacle, body, arm_angle)
     notes += said
     at_once, when_sewn = pins_in_time(meshes, options.pins)
     cloth = assemble_cloth(
@@ -209,6 +213,7 @@ def _plan(options: DrapeOptions, fabrics: list[Fabric]) -> DrapePlan:
             friction=friction,
             slip=SLIP,
             self_contact=not options.self_contact or any(options.self_contact),
+            parts=options.obstacles,
             more_forces=() if options.ground is None else (partial(Ground.under, options.ground),),
         ),
         max_steps=options.max_frames * STEPS_PER_FRAME,

@@ -19,11 +19,13 @@ NOTABLE = 1e-3
 def skins_apart(form: DressForm, garments: Sequence[GarmentMesh]) -> tuple[DressForm, str | None]:
     """Return a body with its closed parts apart at the height of garments, and a sentence that says so.
 
-    Only bodies in motion have parts that are not united. Where these touch from the first frame on, cloth
-    between them would have no place. The same form comes back where nothing touches.
+    Only bodies in motion have parts that are not united, and obstacles are never united with a body. Where
+    these touch from the first frame on, cloth between them would have no place. The same form comes back
+    where nothing touches.
     """
     body = form.avatar
-    if body.solid is None or body.motion is None or not garments:
+    apart = bool(body.obstacles) or (body.solid is not None and body.motion is not None)
+    if not apart or not garments:
         return form, None
     heights = np.concatenate([mesh.positions[:, 1] for mesh in garments])
     level = body.vertices[:, 1]

@@ -91,6 +91,9 @@ def worn_together(garments: list[Cloth]) -> Cloth:
         elastic=tuple(replace(run, garment=k) for k, cloth in enumerate(garments) for run in cloth.elastic),
         holds=tuple(replace(hold, garment=k) for k, cloth in enumerate(garments) for hold in cloth.holds),
         gas=tuple(replace(gas, garment=k) for k, cloth in enumerate(garments) for gas in cloth.gas),
+        fastenings=tuple(
+            row.of_garment(k) for k, cloth in enumerate(garments) for row in cloth.fastenings
+        ),
     )  # fmt: skip
 
 

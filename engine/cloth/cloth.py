@@ -12,6 +12,7 @@ from scipy.sparse import csr_array, diags_array
 from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.edge_runs import EdgeRun
+from toile.engine.cloth.fields.fastenings import Fastening
 from toile.engine.cloth.fields.fields import Fields
 from toile.engine.cloth.fields.gas import Gas
 from toile.engine.cloth.fields.timed_pins import RunHold, TimedPins
@@ -88,6 +89,8 @@ class Cloth:
         Pins of a film that come and go.
     gas
         Gas in closed garments.
+    fastenings
+        Points that are fastened to each other.
     now
         Time of the film at which keyed values count, until a step says another [s].
     """
@@ -120,6 +123,7 @@ class Cloth:
     holds: tuple[RunHold, ...] = ()
     timed_pins: tuple[TimedPins, ...] = ()
     gas: tuple[Gas, ...] = ()
+    fastenings: tuple[Fastening, ...] = ()
     now: float = 0.0
 
     def per_face(self, name: str) -> Float:

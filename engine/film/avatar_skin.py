@@ -87,7 +87,7 @@ class AvatarSkin:
             chosen = self.faces[:1]
         self.part, corners = np.unique(chosen, return_inverse=True)
         self.surface = AvatarSurface(
-            self.vertices[self.part], np.ascontiguousarray(corners.reshape(-1, 3), np.int32)
+            self.vertices[self.part], np.ascontiguousarray(corners.reshape(-1, 3), np.int32), self.part
         )
         start, chord = self.surface.vertices, end[self.part] - self.vertices[self.part]
         self.surface.bound_for = start + chord

@@ -19,7 +19,7 @@ NEAREST = 4
 
 def at_start(cloth: Cloth, motion: VertexMotion | None) -> Cloth:
     """Return a cloth as a film begins with it: pins where it is held, and keys after the lead-in."""
-    if cloth.fields is None and not (cloth.holds or cloth.elastic or cloth.gas):
+    if cloth.fields is None and not (cloth.holds or cloth.elastic or cloth.gas or cloth.fastenings):
         return cloth
     lead = 0.0 if motion is None else motion.lead / motion.fps
     return replace(
@@ -27,6 +27,7 @@ def at_start(cloth: Cloth, motion: VertexMotion | None) -> Cloth:
         fields=None if cloth.fields is None else cloth.fields.later(lead),
         elastic=tuple(run.later(lead) for run in cloth.elastic),
         gas=tuple(gas.later(lead) for gas in cloth.gas),
+        fastenings=tuple(row.later(lead) for row in cloth.fastenings),
         timed_pins=tuple(_pins(cloth, hold, motion, lead) for hold in _together(cloth.holds)),
     )
 

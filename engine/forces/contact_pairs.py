@@ -1,6 +1,7 @@
 """Contact properties of cloth: thickness of every node, friction of every pair of materials."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,12 +9,31 @@ from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.fields import Fields
 from toile.engine.forces.contact import PairFriction
-from toile.geometry.arrays import Float
+from toile.geometry.arrays import Float, Int
 
 FINEST = 2
 """Decimals to which painted friction is rounded: every value that occurs is a material of its own."""
 BODY = "body"
 """Name of the avatar's surface beside those of fabrics."""
+
+
+class SkinPart(NamedTuple):
+    """Vertices of an avatar that are no part of the body: an obstacle beside it.
+
+    Attributes
+    ----------
+    name
+        Name that pairs with friction of their own call it by.
+    begin, end
+        First vertex, and the one after the last.
+    friction
+        Coulomb coefficient of all cloth on it; None: that on the body.
+    """
+
+    name: str
+    begin: int
+    end: int
+    friction: float | None = None
 
 
 def node_thickness(cloth: Cloth) -> Float:
@@ -23,13 +43,42 @@ def node_thickness(cloth: Cloth) -> Float:
     return thickness
 
 
-def pair_friction(cloth: Cloth, avatar_vertices: int, named: Mapping[frozenset[str], float]) -> PairFriction:
+def pair_friction(
+    cloth: Cloth, avatar_vertices: int, named: Mapping[frozenset[str], float],
+    parts: Sequence[SkinPart] = (), rows: Int | None = None,
+) -> PairFriction:  # fmt: skip
     """Return friction between the fabrics of a cloth and an avatar of so many vertices.
 
-    `named` gives coefficients of pairs of fabrics, or of a fabric and BODY, by their names. Else a fabric has
-    its own on the body and on itself, and two fabrics have the geometric mean of theirs. Where fields have
-    friction, it is theirs.
+    `named` gives coefficients of pairs of fabrics, or of a fabric and BODY or a part of the avatar, by their
+    names. Else a fabric has its own on the body and on itself, and two fabrics have the geometric mean of
+    theirs. Where fields have friction, it is theirs. `rows` are the numbers in the whole avatar of its
+    vertices, shape (avatar_vertices,), where it is a piece of one.
     """
+    found = _pairs_with_body(cloth, avatar_vertices, named)
+    if not parts:
+        return found
+    material, table = found.material.copy(), found.table
+    count, body = len(table), len(table) - 1
+    wide = np.zeros((count + len(parts), count + len(parts)))
+    wide[:count, :count] = table
+    nodes = len(cloth.positions)
+    rows = np.arange(avatar_vertices, dtype=np.int32) if rows is None else rows
+    # The fabric of every material of the cloth: where fields have friction, several are of one.
+    fabric = np.zeros(body, np.int32)
+    fabric[material[cloth.face_nodes.ravel()]] = np.repeat(cloth.fabric, 3)
+    for number, part in enumerate(parts, count):
+        material[nodes:][(rows >= part.begin) & (rows < part.end)] = number
+        for kind in range(body):
+            usual = table[kind, body] if part.friction is None else part.friction
+            pair = frozenset((cloth.fabrics[int(fabric[kind])].name, part.name))
+            wide[kind, number] = wide[number, kind] = named.get(pair, usual)
+    return PairFriction(material, wide)
+
+
+def _pairs_with_body(
+    cloth: Cloth, avatar_vertices: int, named: Mapping[frozenset[str], float]
+) -> PairFriction:
+    """Return the friction of a cloth and an avatar that is all body."""
     if cloth.fields is not None and cloth.fields.names() & {"friction_body", "friction_self"}:
         return _friction_of_fields(cloth, cloth.fields, avatar_vertices, named)
     count = len(cloth.fabrics)

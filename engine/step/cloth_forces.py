@@ -4,6 +4,7 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
+from toile.engine.forces.added.fastening_pull import FasteningPull
 from toile.engine.forces.added.keyed_membrane import KEYED, KeyedCurvedMembrane, KeyedMembrane
 from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.added.timed_pull import TimedPull
@@ -50,6 +51,7 @@ def cloth_forces(cloth: Cloth, options: StepOptions) -> list[Force]:
         GoalPull.for_cloth(cloth),
         Wind(faces, len(cloth.positions), options.air) if options.air is not None else None,
         EdgeElastic.for_cloth(cloth) if cloth.elastic else None,
+        FasteningPull.for_cloth(cloth) if cloth.fastenings else None,
         SurfacePressure.for_cloth(cloth) if cloth.fields is not None else None,
         *(EnclosedGas.all_of(cloth) if cloth.gas else ()),
         *(TimedPull(pins, cloth) for pins in cloth.timed_pins),

@@ -82,7 +82,8 @@ class Collisions(NodalForce):
         options, count, cloth = self.options, self._count, self._cloth
         self.avatar = avatar
         others = 0 if avatar is None else len(avatar.vertices)
-        self._pair_friction = pair_friction(cloth, others, options.friction)
+        rows = None if avatar is None else avatar.rows
+        self._pair_friction = pair_friction(cloth, others, options.friction, options.parts, rows)
         self._area = np.concatenate([cloth.node_area, np.zeros(0) if avatar is None else avatar.vertex_area])
         self.radius_body = np.empty(count + others)
         self.set_body_radius(self.least_body_radius)

@@ -8,6 +8,7 @@ import numpy as np
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.forces.air_flow import AirFlow
 from toile.engine.forces.contact import ContactLaw
+from toile.engine.forces.contact_pairs import SkinPart
 from toile.engine.forces.force import Force
 from toile.geometry.arrays import Float
 
@@ -38,6 +39,8 @@ class StepOptions:
         Whether the cloth can touch itself.
     air
         Wind, or still air that brakes the cloth; None is a vacuum.
+    parts
+        Parts of the avatar that are no body, with friction of their own.
     more_forces
         Makers of forces beside those of the cloth, called for every topology that the cloth takes on.
     """
@@ -52,6 +55,7 @@ class StepOptions:
     self_contact: bool = True
     air: AirFlow | None = None
     friction: Mapping[frozenset[str], float] = field(default_factory=dict)
+    parts: tuple[SkinPart, ...] = ()
     more_forces: tuple[Callable[[Cloth], Force], ...] = ()
 
 

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, cKDTree
 
 import toile
 from toile.dressing.garment import readers
 from toile.dressing.pattern import drafts
+from toile.engine.cloth.fields.fastenings import found_points
 from toile.studies.validation.cusick import drape_coefficient
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -204,6 +205,34 @@ def scene_file(result: toile.Result, _: Path) -> None:
     assert linen.bending_weft == toile.fabric("cotton-poplin").bending_weft
 
 
+def buttoned_vest(result: toile.Result, _: Path) -> None:
+    hangs(result)
+    (vest,) = result.garments
+    example = import_module("examples.buttoned_vest")
+    names = list(vest.panel_names)
+    front = vest.uv[np.unique(vest.uv_faces[vest.panel == names.index("left")])]
+    middle = front[np.isclose(front[:, 0], -0.5 * example.OVERLAP), 1]
+    low, top = middle.min(), middle.max()
+    places = np.linspace(low + 0.03, top - 0.03, example.BUTTONS)
+    sides = []
+    for name in ("left", "right"):
+        own = np.flatnonzero(vest.panel == names.index(name)).astype(np.int32)
+        points = np.column_stack([0.0 * places, places, 0.0 * places])
+        found = found_points(points, own, np.pad(vest.uv[vest.uv_faces], ((0, 0), (0, 0), (0, 1))))
+        sides.append(np.einsum("kq,kqi->ki", found.weights, vest.positions[vest.faces[found.face]]))
+    apart = sides[0] - sides[1]
+    pocket = np.unique(vest.faces[vest.panel == names.index("pocket")])
+    left = np.unique(vest.faces[vest.panel == names.index("left")])
+    # The pocket lies flat on the front, outside of it.
+    away, near = cKDTree(vest.positions[left]).query(vest.positions[pocket])
+    assert np.median(away) < 0.012
+    assert np.median(vest.positions[pocket, 2] - vest.positions[left][near, 2]) > 0.0005
+    # Those that are closed are as far apart as they shall be, and the left front lies on top; above it gapes.
+    assert np.linalg.norm(apart[: example.CLOSED], axis=1).max() < 0.008
+    assert apart[: example.CLOSED, 2].min() > 0.001
+    assert np.linalg.norm(apart[-1]) > 0.015
+
+
 def blender_scene(mesh: tuple[Any, Any], folder: Path) -> None:
     points, faces = mesh
     assert len(np.unique(faces)) == len(points)
@@ -215,9 +244,9 @@ def blender_scene(mesh: tuple[Any, Any], folder: Path) -> None:
 CHECKS: dict[str, Callable[[Any, Path], None]] = {
     check.__name__: check
     for check in (
-        batch, blender_scene, compare_fabrics, dress_mannequin, gathered_skirt, layers, made_to_measure,
-        moving_body, own_draft, own_fabric, own_force, own_garment_reader, own_pattern, pleated_skirt,
-        results_in_numpy,
+        batch, blender_scene, buttoned_vest, compare_fabrics, dress_mannequin, gathered_skirt, layers,
+        made_to_measure, moving_body, own_draft, own_fabric, own_force, own_garment_reader,
+        own_pattern, pleated_skirt, results_in_numpy,
         scene_file, sheet_on_sphere,
     )
 }  # fmt: skip

@@ -7,6 +7,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fields.closure import Closure
+from toile.dressing.garment.fields.patch import Patch
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
@@ -234,6 +236,8 @@ class Parts:
     elastic: tuple[Elastic, ...] = ()
     holds: tuple[Hold, ...] = ()
     gas: Filling | None = None
+    closures: tuple[Closure, ...] = ()
+    patches: tuple[Patch, ...] = ()
 
     @property
     def attributes(self) -> tuple[str, ...]:
@@ -243,7 +247,7 @@ class Parts:
 
     def __bool__(self) -> bool:
         """Whether there is anything."""
-        return bool(self.fields or self.elastic or self.holds or self.gas)
+        return any(vars(self).values())
 
 
 def _check_value(name: str, value: FieldValue) -> None:

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fields.closure_points import fastening_of
 from toile.dressing.garment.fields.cut_mesh import Level
 from toile.dressing.garment.fields.field import Field, FieldValue, Painted, Parts, Textured
+from toile.dressing.garment.fields.patch import patched
 from toile.dressing.garment.fields.places import cuts_of, levels_of
 from toile.dressing.garment.fields.read_png import read_brightness
 from toile.dressing.garment.fields.runs import run_sides
@@ -83,6 +85,10 @@ def with_parts(mesh: GarmentMesh, parts: Parts, levels: list[dict[str, Level]], 
     if parts.gas is not None:
         _check_closed(mesh)
         mesh = replace(mesh, gas=(Gas(garment=0, pressure=parts.gas.pressure, volume=parts.gas.volume),))
+    if parts.closures:
+        mesh = replace(mesh, fastenings=tuple(fastening_of(closure, mesh) for closure in parts.closures))
+    if parts.patches:
+        mesh = patched(mesh, parts.patches)
     return _with_fields(mesh, parts.fields, levels) if parts.fields else mesh
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from toile.dressing.garment.fields.cut_mesh import HALVINGS, ON_LINE, Level
 from toile.dressing.garment.fields.field import Elastic, Field, Hold, Parts
+from toile.dressing.garment.fields.patch import Patch
 from toile.dressing.garment.fields.runs import run_parts
 from toile.dressing.pattern.pattern import Panel, Pattern
 from toile.dressing.pattern.pattern_curve import cut_curve, edge_points
@@ -43,9 +44,12 @@ def cuts_of(parts: Parts, levels: Sequence[dict[str, Level]], pattern: Pattern) 
             panel = pattern.panel(name)
             for edge in range(len(panel.edges)):
                 cuts.setdefault((name, edge), []).extend(_crossings(panel, edge, level))
-    named: list[Field | Elastic | Hold] = [*parts.fields, *parts.elastic, *parts.holds]
-    for one in named:
-        for part in () if one.run is None else run_parts(one.run, pattern):
+    named: list[Field | Elastic | Hold | Patch] = [
+        *parts.fields, *parts.elastic, *parts.holds, *parts.patches,
+    ]  # fmt: skip
+    runs = [one.run for one in named] + [run for one in parts.closures for run in (one.over, one.under)]
+    for run in runs:
+        for part in () if run is None else run_parts(run, pattern):
             ends = [at for at in (part.start, part.end) if 0.0 < at < 1.0]
             cuts.setdefault((part.panel, part.edge), []).extend(ends)
     return {key: sorted(at) for key, at in cuts.items() if at}

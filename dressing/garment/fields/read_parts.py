@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from toile.dressing.files.suggestion import unknown_name
+from toile.dressing.garment.fields.closure import Closure
 from toile.dressing.garment.fields.field import (
     OF_FABRIC,
     QUANTITIES,
@@ -19,10 +20,11 @@ from toile.dressing.garment.fields.field import (
     Parts,
     Textured,
 )
+from toile.dressing.garment.fields.patch import Patch
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.errors import InputError
 
-Part = TypeVar("Part", Field, Elastic, Hold)
+Part = TypeVar("Part", Field, Elastic, Hold, Closure, Patch)
 NUMBER = (int, float)
 VALUE = (int, float, dict)
 PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
@@ -50,6 +52,25 @@ PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "stiffness": (NUMBER, "per area [N/m^3], default 1e6; soft pins have less"),
         "follow": (bool, "whether the places go along with the body (default), or stay in the room"),
     },
+    "garment.closure": {
+        "kind": (str, "buttons, snaps (hooks alike) or zip"),
+        "over": (str, "edges of one panel, walked along its loop, such as left.1 or a label"),
+        "under": (str, "edges of the other side, walked against the loop"),
+        "count": (int, "how many buttons or snaps"),
+        "inset": (NUMBER, "how far inside of the edges they are [m], default 0"),
+        "ends": (NUMBER, "distance of the first and last from the ends of the edges [m]"),
+        "wrong_side": (bool, "true: over lies on the wrong side of under"),
+        "closed": (VALUE, "share of the row that is closed, from where it begins, default 1"),
+        "distance": (NUMBER, "how far apart the two sides are when closed [m], default 0.003"),
+        "stiffness": (NUMBER, "of each pair [N/m], default 3000; of a zip per length [N/m^2], default 3e5"),
+        "most": (NUMBER, "largest force of each pair [N], 60 or 15; of a zip per length [N/m], 6000"),
+    },
+    "garment.patch": {
+        "run": (str, 'edges of it that are sewn on, in a row: "pocket.3 + pocket.0 + pocket.1"'),
+        "onto": (str, "name of the panel on whose right side it lies"),
+        "at": (list, "where its own origin lies in the coordinates of that panel, [x, y] [m]"),
+        "turn": (NUMBER, "by how much it is turned there, counter-clockwise [degrees]"),
+    },
     "garment.gas": {
         "pressure": (VALUE, "constant pressure above that outside of a closed garment [Pa]; or"),
         "volume": (VALUE, "volume that the gas in it has outside [m^3]"),
@@ -61,6 +82,8 @@ GARMENT_KEYS: dict[str, tuple[Any, str]] = {
     "field": (list, "tables: one [[garment.field]] for each part with values of its own"),
     "elastic": (list, "tables: one [[garment.elastic]] for each elastic along edges"),
     "hold": (list, "tables: one [[garment.hold]] for what a film holds for a time"),
+    "closure": (list, "tables: one [[garment.closure]] for each row of buttons or snaps, or zip"),
+    "patch": (list, "tables: one [[garment.patch]] for each panel sewn onto another, such as a pocket"),
     "gas": (dict, "table: gas in a closed garment"),
 }
 """The keys of [[garment]] under which they stand."""
@@ -80,6 +103,8 @@ def read_parts(values: Mapping[str, Any], folder: Path) -> Parts:
         fields=tuple(_each(values, "field", lambda table: _field(table, folder))),
         elastic=tuple(_each(values, "elastic", lambda table: _elastic(table, folder))),
         holds=tuple(_each(values, "hold", lambda table: _hold(table, folder))),
+        closures=tuple(_each(values, "closure", lambda table: _closure(table, folder))),
+        patches=tuple(_each(values, "patch", lambda table: _patch(table, folder))),
     )
     if gas is None:
         return parts
@@ -142,6 +167,15 @@ def _field(table: Any, folder: Path) -> Field:
 
 def _elastic(table: Any, folder: Path) -> Elastic:
     return Elastic(**_checked(table, "garment.elastic", ("run", "rest", "stiffness"), folder))
+
+
+def _closure(table: Any, folder: Path) -> Closure:
+    return Closure(**_checked(table, "garment.closure", ("kind", "over", "under"), folder))
+
+
+def _patch(table: Any, folder: Path) -> Patch:
+    found = _checked(table, "garment.patch", ("run", "onto", "at"), folder)
+    return Patch(**{**found, "at": tuple(found["at"])})
 
 
 def _hold(table: Any, folder: Path) -> Hold:

@@ -15,6 +15,7 @@ def input_hashes(scene: "ResolvedScene") -> list[dict[str, str]]:
     named: list[tuple[str, Path]] = []
     if isinstance(scene.avatar, AvatarFile):
         named.append(("avatar", scene.avatar.path))
+    named += [(f"obstacle {one.called}", one.path) for one in scene.obstacles if one.path is not None]
     if isinstance(scene.measurements, Path):
         named.append(("measurements", scene.measurements))
     for garment in scene.garments:

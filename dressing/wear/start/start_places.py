@@ -13,11 +13,13 @@ from toile.geometry.errors import InputError
 
 
 def start_places(
-    meshes: list[GarmentMesh], avatar: tuple[Float, Int], body: Measurements | None, arm_angle: float
-) -> tuple[list[GarmentMesh], list[str]]:
+    meshes: list[GarmentMesh], avatar: tuple[Float, Int], around: tuple[Float, Int],
+    body: Measurements | None, arm_angle: float,
+) -> tuple[list[GarmentMesh], list[str]]:  # fmt: skip
     """Return garments where sewing begins, and one sentence for everything that was moved.
 
-    `avatar` is the obstacle, vertices (v, 3) [m] and faces; its arms hang `arm_angle` below level [rad].
+    `avatar` is the body with what it wears, vertices (v, 3) [m] and faces; its arms hang `arm_angle` below
+    level [rad]. `around` is the same among obstacles, of which panels are cleared as well.
     Panels start flat where they cannot be cleared rolled; raises InputError if they cannot be cleared at all.
     """
     shoulder = float("-inf") if body is None else float(body.shoulder_point[1])
@@ -33,10 +35,10 @@ def start_places(
         rolled.append(tubed)
         rolled_said += [*said, *more]
     try:
-        cleared, notes = _cleared(rolled, avatar)
+        cleared, notes = _cleared(rolled, around)
         return cleared, [*flat_said, *rolled_said, *notes]
     except InputError:
-        cleared, notes = _cleared(flat, avatar)
+        cleared, notes = _cleared(flat, around)
         return cleared, [*flat_said, *notes]
 
 

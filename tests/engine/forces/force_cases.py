@@ -16,6 +16,7 @@ from toile.collide.avatar_surface import AvatarSurface
 from toile.engine.cloth.cloth import Cloth
 from toile.engine.cloth.creases import Creases
 from toile.engine.cloth.fields.edge_runs import EdgeRun
+from toile.engine.cloth.fields.fastenings import Fastening
 from toile.engine.cloth.fields.fields import Fields, Value
 from toile.engine.cloth.fields.gas import Gas
 from toile.engine.cloth.fields.keyed import Keyed
@@ -23,6 +24,7 @@ from toile.engine.cloth.fields.timed_pins import TimedPins
 from toile.engine.cloth.goals import Goals
 from toile.engine.forces.added.edge_elastic import EdgeElastic
 from toile.engine.forces.added.enclosed_gas import EnclosedGas
+from toile.engine.forces.added.fastening_pull import FasteningPull
 from toile.engine.forces.added.keyed_membrane import KeyedCurvedMembrane, KeyedMembrane
 from toile.engine.forces.added.surface_pressure import SurfacePressure
 from toile.engine.forces.added.timed_pull import TimedPull
@@ -370,6 +372,35 @@ def collisions() -> Case:
     return Case(force, cloth.positions, cloth.positions, exact=False, reach=1e-9)
 
 
+def fastenings() -> Case:
+    """Two tilted triangles, fastened on a side and by links, within the largest force and beyond it."""
+    places = np.array(
+        [
+            [(0.0, 0.0, 0.0), (0.3, 0.02, 0.01), (0.05, 0.25, -0.03)],
+            [(0.02, 0.03, 0.05), (0.28, 0.0, 0.09), (0.1, 0.2, 0.02)],
+        ]
+    )
+    cloth = replace(triangles(places), panel=np.array([0, 1], np.int32))
+    rows = []
+    for side, distance, most in (
+        (1, 0.01, 100.0),
+        (-1, 0.01, 1.0),
+        (0, 0.002, 100.0),
+        (0, 0.01, 1.0),
+        (0, 0.5, 1.0),
+    ):
+        points = np.array([(0.01, 0.02, 0.0), (-0.02, 0.01, 0.0)])
+        rows.append(
+            Fastening(
+                over=(0, 1), under=(0, 0), over_points=points, under_points=points[::-1].copy(), side=side,
+                distance=distance, stiffness=np.array([700.0, 900.0]), most=np.full(2, most), closed=0.75,
+            )
+        )  # fmt: skip
+    force = FasteningPull.for_cloth(replace(cloth, fastenings=tuple(rows)))
+    assert force is not None
+    return Case(force, cloth.positions, shaken(cloth.positions, 0.003), exact=False)
+
+
 CASES: dict[str, Callable[[], Case]] = {
     "stretched membrane": stretched_membrane,
     "crumpled membrane": crumpled_membrane,
@@ -390,6 +421,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "wind": wind,
     "ground": ground,
     "elastic along edges": elastic_of_a_hem,
+    "fastenings": fastenings,
     "pressure": pressure,
     "gas": lambda: gas(Gas(garment=0, volume=5e-3)),
     "timed pins": timed_pull,

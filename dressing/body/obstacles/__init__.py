@@ -1,0 +1,1 @@
+"""Obstacles beside the body: furniture, hangers, balls; still, keyed or deforming."""
