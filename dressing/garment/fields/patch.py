@@ -12,6 +12,7 @@ from toile.engine.cloth.fields.fastenings import Fastening
 from toile.geometry.arrays import Float, Int
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import is_real, shown
+from toile.geometry.normals import area_normals
 
 SPACING = 0.008
 """Distance of the points at which a patch is sewn on [m], at most."""
@@ -113,7 +114,7 @@ def _ahead(uv: Float, places: Float, corners: Float, points: Float) -> Float:
     """
     columns = np.column_stack([uv, np.ones(len(uv))])
     affine, *_ = np.linalg.lstsq(columns, places, rcond=None)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    normal = area_normals(corners).sum(axis=0)
     there = np.column_stack([points, np.ones(len(points))]) @ affine
     return np.asarray(there + AHEAD * normal / np.linalg.norm(normal))
 

@@ -18,6 +18,7 @@ from toile.engine.forces.force import ElementForce, StepState
 from toile.engine.solve.assembly import node_pairs, scatter_gradients
 from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.normals import area_normals
 
 LEAST = 1e-12
 """Length [m] and area [m^2] below which there is no direction."""
@@ -94,15 +95,17 @@ class FasteningPull(ElementForce):
 
     def _normals(self, x: Float) -> tuple[Float, Float]:
         """Return unit normals of the faces beneath, shape (k, 3), and twice their areas [m^2], (k,)."""
-        a, b, c = (x[self.nodes[:, corner]] for corner in (3, 4, 5))
-        area = np.cross(b - a, c - a)
+        area = area_normals(x[self.nodes[:, 3:]])
         size = np.maximum(np.linalg.norm(area, axis=1), LEAST)
         return area / size[:, None], size
 
     def pull(self, x: Float) -> Float:
         """Force that draws each pair together at positions x [N], shape (k,)."""
-        away = np.linalg.norm(self._away(x), axis=1)
-        return np.asarray(self._acting * np.minimum(self._stiffness * away, self._most))
+        return self._pull(np.linalg.norm(self._away(x), axis=1))
+
+    def _pull(self, length: Float) -> Float:
+        """Return that force for how far pairs are away [m], shape (k,)."""
+        return np.asarray(self._acting * np.minimum(self._stiffness * length, self._most))
 
     def energy(self, x: Float) -> float:
         """Energy [J] at node positions x [m], shape (n, 3)."""
@@ -112,21 +115,24 @@ class FasteningPull(ElementForce):
 
     def add_gradient(self, x: Float, gradient: Float) -> None:
         """Add the derivative of the energy [N] to an array of shape (n, 3)."""
-        away = self._away(x)
+        self._add_pull(self._away(x), self._turns(x), gradient)
+
+    def _add_pull(self, away: Float, turns: Float, gradient: Float) -> None:
+        """Add the gradient from `_away`, shape (k, 3), and its derivatives, shape (k, 6, 3, 3)."""
         length = np.linalg.norm(away, axis=1)
-        force = (self.pull(x) / np.maximum(length, LEAST))[:, None] * away
-        scatter_gradients(self.nodes, np.einsum("kqji,kj->kqi", self._turns(x), force), gradient)
+        force = (self._pull(length) / np.maximum(length, LEAST))[:, None] * away
+        scatter_gradients(self.nodes, np.einsum("kqji,kj->kqi", turns, force), gradient)
 
     def linearise(self, x: Float, gradient: Float, hessian: Hessian) -> None:
         """Add the gradient, and the second derivatives without those of the normal: Gauss and Newton's."""
-        self.add_gradient(x, gradient)
-        away = self._away(x)
+        away, turns = self._away(x), self._turns(x)
+        self._add_pull(away, turns, gradient)
         length = np.linalg.norm(away, axis=1)
         along = away / np.maximum(length, LEAST)[:, None]
         # Across the pull it is as stiff as its force over the distance: of links that is |d|.
         apart = np.linalg.norm(np.einsum("kq,kqi->ki", self.weights, x[self.nodes]), axis=1)
         lever = np.where(self._aside, length, apart)
-        pull = self.pull(x)
+        pull = self._pull(length)
         stiff = self._acting * self._stiffness
         yields = self._stiffness * length > self._most
         onward = np.where(yields, 0.0, stiff)
@@ -136,7 +142,6 @@ class FasteningPull(ElementForce):
         across = np.where(short, stiff, pull / np.maximum(lever, LEAST))
         square = along[:, :, None] * along[:, None]
         block = across[:, None, None] * (np.eye(3) - square) + onward[:, None, None] * square
-        turns = self._turns(x)
         blocks = np.stack(
             [
                 np.einsum("kji,kjl,klm->kim", turns[:, one], block, turns[:, other])
