@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toile.dressing.garment.fields.closure import DISTANCE, MOST, STIFFNESS, Closure
+from toile.dressing.garment.fields.runs import border_names, called_borders, is_within
 from toile.dressing.garment.garment_mesh import Border, GarmentMesh
 from toile.dressing.pattern.seam import EdgePart, read_run
 from toile.engine.cloth.fields.fastenings import Fastening
@@ -15,7 +16,7 @@ from toile.geometry.errors import InputError
 SPACING = 0.005
 """Distance of the pairs that stand for a zip [m], at most."""
 SLACK = 1e-6
-"""Fractions of an edge closer than this are one; so are points [m]."""
+"""Points closer than this are one [m]."""
 ALIKE = 0.05
 """Edges of a closure may differ in length by this share: the longer one is eased in."""
 
@@ -62,13 +63,12 @@ def run_line(run: str, mesh: GarmentMesh, name: str) -> RunLine:
     """
     if not mesh.borders:
         raise InputError("closure: needs a pattern; a mesh has no numbered edges", field=name)
-    named = [(border, False) for border in mesh.borders if run in (border.label, border.role)]
+    named = [(border, False) for border in called_borders(run, mesh)]
     if not named:
         if "." not in run:
-            known = sorted({text for b in mesh.borders for text in (b.label, b.role) if text})
             raise InputError(
-                f"closure: no edges are called '{run}', only {', '.join(known) or 'none'}; or write "
-                "PANEL.NUMBER",
+                f"closure: no edges are called '{run}', only {', '.join(border_names(mesh)) or 'none'}; or "
+                "write PANEL.NUMBER",
                 field=name,
             )
         named = [entry for part in read_run(run, name) for entry in _pieces(mesh.borders, part)]
@@ -90,14 +90,7 @@ def run_line(run: str, mesh: GarmentMesh, name: str) -> RunLine:
 
 def _pieces(borders: tuple[Border, ...], part: EdgePart) -> list[tuple[Border, bool]]:
     """Return the pieces of a stretch of an edge in the order in which it is walked, and if backwards."""
-    low, high = sorted((part.start, part.end))
-    found = [
-        border
-        for border in borders
-        if (border.panel, border.edge) == (part.panel, part.edge)
-        and low - SLACK <= border.start
-        and border.end <= high + SLACK
-    ]
+    found = [border for border in borders if is_within(border, part)]
     back = part.start > part.end
     return [(border, back) for border in sorted(found, key=lambda one: one.start, reverse=back)]
 

@@ -60,12 +60,12 @@ def run_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
     """
     if not mesh.borders:
         return _labelled_sides(run, mesh)
-    named = [border for border in mesh.borders if run in (border.label, border.role)]
+    named = called_borders(run, mesh)
     if not named:
         if "." not in run:
-            known = sorted({name for b in mesh.borders for name in (b.label, b.role) if name})
+            known = border_names(mesh)
             raise InputError(f"run: {unknown_name('edge', run, known)}; or write PANEL.NUMBER", field="run")
-        named = [b for part in read_run(run, "run") for b in mesh.borders if _is_within(b, part)]
+        named = [b for part in read_run(run, "run") for b in mesh.borders if is_within(b, part)]
         if not named:
             raise InputError(f"run '{run}': there is no such edge; see toile pattern FILE", field="run")
     found: dict[int, list[Int]] = {}
@@ -92,7 +92,18 @@ def _labelled_sides(run: str, mesh: GarmentMesh) -> dict[int, Int]:
     return {number: sides[on & (panel == number)] for number in np.unique(panel[on]).tolist()}
 
 
-def _is_within(border: Border, part: EdgePart) -> bool:
+def called_borders(run: str, mesh: GarmentMesh) -> list[Border]:
+    """Return the pieces of border that have a role or label."""
+    return [border for border in mesh.borders if run in (border.label, border.role)]
+
+
+def border_names(mesh: GarmentMesh) -> list[str]:
+    """Return the roles and labels of a mesh's border, sorted."""
+    return sorted({name for border in mesh.borders for name in (border.label, border.role) if name})
+
+
+def is_within(border: Border, part: EdgePart) -> bool:
+    """Whether a piece of border lies on a stretch of an edge."""
     low, high = sorted((part.start, part.end))
     return (border.panel, border.edge) == (part.panel, part.edge) and (
         low - _SLACK <= border.start and border.end <= high + _SLACK
