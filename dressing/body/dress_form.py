@@ -31,8 +31,8 @@ class DressForm:
         self.avatar = self.place.own(avatar)
         self.given = dict(given or {})
 
-    def beside(self, avatar: Avatar) -> "DressForm":
-        """Return the form with its avatar among obstacles, in its own frame, and the same measurements."""
+    def with_avatar(self, avatar: Avatar) -> "DressForm":
+        """Return the form with another avatar, in its own frame, and the measurements of this one."""
         other = copy(self)
         other.__dict__["_completed"] = self._completed
         other.avatar = avatar
@@ -40,10 +40,7 @@ class DressForm:
 
     def with_skin(self, vertices: Float) -> "DressForm":
         """Return the form with its skin elsewhere [m], shape (v, 3), and the measurements of this one."""
-        other = copy(self)
-        other.__dict__["_completed"] = self._completed
-        other.avatar = replace(self.avatar, vertices=vertices)
-        return other
+        return self.with_avatar(replace(self.avatar, vertices=vertices))
 
     def in_pose(self, vertices: Float, motion: VertexMotion) -> "DressForm":
         """Return the form with its body in another pose [m], shape (v, 3), measured anew, and moving."""

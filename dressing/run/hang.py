@@ -88,10 +88,10 @@ def hang(scene: ResolvedScene, checkpoint: Checkpoint | None, listener: Listener
     avatar = beside(avatar, solids, ROOM)
     _say_jump(avatar, listener)
     reading = now().less(started).less(loading)
-    moved = form if not solids else form.beside(beside(form.avatar, solids, form.place, still=opened))
+    moved = _among(form, solids, still=opened)
     sewing = _sew(scene, form, moved, checkpoint, listener)
     if opened:
-        moved = own if not solids else own.beside(beside(own.avatar, solids, own.place))
+        moved = _among(own, solids)
         sewing = _closed(sewing, moved, listener, scene.tolerance)
     outcome, form = sewing.outcome, sewing.form
     if form.avatar is not moved.avatar:
@@ -130,6 +130,13 @@ def _solids(scene: ResolvedScene, avatar: Avatar, listener: Listener) -> list[So
         for note in solid.notes:
             listener.say(f"{solid.name}: {note}")
     return solids
+
+
+def _among(form: DressForm, solids: list[Solid], *, still: bool = False) -> DressForm:
+    """Return a body among obstacles, which stay where the film begins if `still`; without any, itself."""
+    if not solids:
+        return form
+    return form.with_avatar(beside(form.avatar, solids, form.place, still=still))
 
 
 def _closed(sewing: _Sewing, own: DressForm, listener: Listener, tolerance: float) -> _Sewing:

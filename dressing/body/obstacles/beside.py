@@ -34,6 +34,8 @@ def beside(avatar: Avatar, solids: Sequence[Solid], place: Place, *, still: bool
     """
     if not solids:
         return avatar
+    if still:
+        solids = [replace(solid, at=None) for solid in solids]
     count = len(avatar.vertices)
     vertices, faces, parts = [avatar.vertices], [avatar.faces], []
     for solid in solids:
@@ -42,16 +44,15 @@ def beside(avatar: Avatar, solids: Sequence[Solid], place: Place, *, still: bool
         parts.append(SkinPart(solid.name, count, count + len(solid.vertices), solid.friction))
         count += len(solid.vertices)
     motion = avatar.motion
-    moving = [] if still else [solid for solid in solids if solid.at is not None]
-    if motion is not None or moving:
-        motion = _motion(avatar, solids, place, still)
+    if motion is not None or any(solid.at is not None for solid in solids):
+        motion = _motion(avatar, solids, place)
     return replace(
         avatar, vertices=np.concatenate(vertices),
         faces=np.ascontiguousarray(np.concatenate(faces), np.int32), motion=motion, obstacles=tuple(parts),
     )  # fmt: skip
 
 
-def _motion(avatar: Avatar, solids: Sequence[Solid], place: Place, still: bool) -> VertexMotion:
+def _motion(avatar: Avatar, solids: Sequence[Solid], place: Place) -> VertexMotion:
     """Return how an avatar and obstacles move together, where one of them does."""
     own = avatar.motion
     lead = 0 if own is None else own.lead
@@ -67,9 +68,7 @@ def _motion(avatar: Avatar, solids: Sequence[Solid], place: Place, still: bool) 
         frames[index, : len(avatar.vertices)] = avatar.vertices if own is None else own.frames[index]
         begin = len(avatar.vertices)
         for solid in solids:
-            shape = solid.vertices
-            if solid.at is not None and not still:
-                shape = solid.at(max(index - lead, 0) / fps)
+            shape = solid.vertices if solid.at is None else solid.at(max(index - lead, 0) / fps)
             frames[index, begin : begin + len(shape)] = place.inward(shape)
             begin += len(shape)
     return VertexMotion(frames=frames, fps=fps, lead=lead)

@@ -130,7 +130,7 @@ def test_the_body_is_measured_without_what_stands_beside_it() -> None:
 
     alone = DressForm(mannequin())
     solid = Solid(name="crate", friction=None, vertices=crate().vertices, faces=crate().faces)
-    both = alone.beside(beside(alone.avatar, [solid], alone.place))
+    both = alone.with_avatar(beside(alone.avatar, [solid], alone.place))
     assert both.measurements == alone.measurements
     assert DressForm(both.avatar).measurements == alone.measurements
 
