@@ -54,13 +54,13 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         else Garment(source)
         for source in options.garment
     )  # fmt: skip
-    if options.obstacle:
-        given["obstacles"] = tuple(options.obstacle)
+    obstacles = tuple(options.obstacle or ())
     wind = None if options.wind is None else tuple(options.wind)
     if options.scene is None:
         if not garments:
             raise InputError("nothing to dress: give --garment FILE|NAME or a scene file", field="--garment")
-        return Scene(garments=garments, air=None if wind is None else Air(velocity=wind), **given)
+        air = None if wind is None else Air(velocity=wind)
+        return Scene(garments=garments, air=air, obstacles=obstacles, **given)
     if options.scene.suffix.lower() != ".toml":
         raise InputError(
             f"{options.scene}: a scene file ends in .toml; garments are given with --garment",
@@ -71,8 +71,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
     if garments:
         given["garments"] = garments
-    if options.obstacle:
-        given["obstacles"] = (*scene.obstacles, *options.obstacle)
+    given["obstacles"] = (*scene.obstacles, *obstacles)
     if wind is not None:
         given["air"] = replace(scene.air or Air(), velocity=wind)
     return replace(scene, **given)
