@@ -17,6 +17,7 @@ from toile.dressing.wear.arms import on_sleeves
 from toile.dressing.wear.start.rings import OPEN, UPRIGHT, WIDER, facing_of, obstacle_of, owner_of, rolled
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.connected import connected
+from toile.geometry.topology import triangle_topology
 
 ARM = 0.12
 """How far from the middle of its sleeve's panels an arm is looked for [m]."""
@@ -125,10 +126,8 @@ def _outer_edge(mesh: GarmentMesh, panels: Bool, along: Float) -> Bool:
     """
     owner = owner_of(mesh)
     own = panels[owner]
-    sides = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, count = np.unique(sides, axis=0, return_counts=True)
     marked = np.zeros(len(own), bool)
-    marked[edges[count == 1].ravel()] = True
+    marked[triangle_topology(mesh.faces).border_edges.ravel()] = True
     marked[mesh.stitches.ravel()] = False
     ends = mesh.stitches[own[mesh.stitches].sum(axis=1) == 1]
     mine = np.where(own[ends[:, 0]], ends[:, 0], ends[:, 1])
@@ -161,9 +160,10 @@ def _way_along(
     while their own seams still close.
     """
     faces = mesh.faces[panels[mesh.panel]]
-    own = panels[owner_of(mesh)][mesh.stitches]
-    ends = mesh.stitches[(own.sum(axis=1) == 1) & ~on_sleeves(mesh)[mesh.stitches].all(axis=1)]
-    inner = panels[owner_of(mesh)][ends]
+    own = panels[owner_of(mesh)]
+    between = own[mesh.stitches].sum(axis=1) == 1
+    ends = mesh.stitches[between & ~on_sleeves(mesh)[mesh.stitches].all(axis=1)]
+    inner = own[ends]
     gap = (positions[ends[inner]] - positions[ends[~inner]]) @ axis
     far = float(gap.mean()) - ROOM if len(gap) else 0.0
     pieces = RigidPieces(positions, mesh.faces, panels[mesh.panel].astype(np.int32), None)
