@@ -32,6 +32,7 @@ from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
 from toile.dressing.cli.verify import add_verify
 from toile.dressing.cli.view import add_view
+from toile.dressing.cli.yarns import add_yarns
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def command_parser() -> argparse.ArgumentParser:
     patterns.set_defaults(run=_run_patterns)
 
     add_fabric(commands)
+    add_yarns(commands)
     add_measure(commands)
     add_fit(commands)
     add_verify(commands)

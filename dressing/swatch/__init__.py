@@ -1,0 +1,1 @@
+"""Swatches of woven cloth, pulled, sheared and bent yarn by yarn, in equilibrium: see docs/swatch.md."""
