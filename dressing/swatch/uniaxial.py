@@ -1,5 +1,7 @@
 """A square pulled along warp or weft, its other sides free."""
 
+import math
+
 import numpy as np
 
 from toile.dressing.swatch.curve import Curve, Watch, say_nothing, settled
@@ -28,8 +30,11 @@ def pull_uniaxially(
     patch.free[grid[:, 0], axis] = False
     patch.free[grid[count // 2, 0], 1 - axis] = False
     own, other = (net.strands[axis], net.strands[1 - axis])
-    span = max(count // 5, 1)
-    low, high, middle = count // 2 - span, count // 2 + span - 1, count // 2
+    # Over whole repeats of the weave: floats stretch less than where yarns change sides.
+    repeat = math.lcm(*cloth.top.shape)
+    span = min(repeat * max(count // (2 * repeat), 1), count - 1)
+    low, middle = (count - 1 - span) // 2, count // 2
+    high = low + span
     rows: list[tuple[float, ...]] = []
     notes: list[str] = []
     for tension in tensions:

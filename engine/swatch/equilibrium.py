@@ -22,11 +22,11 @@ from toile.engine.swatch.wave import wave_terms
 from toile.engine.swatch.weight import weight_energy
 from toile.geometry.arrays import Bool, Float, Int
 
-PRECISE = 1e-6
-"""Forces left over, as a share of all that act on the nodes, that are no motion."""
-NO_FORCE = 1e-12
-"""Force that is none, as a share of the axial stiffness of yarn."""
+ROUNDING = 1e-13
+"""Force left over that is none, as a share of the axial stiffness of yarn, per square root of crossings."""
 MOST_ITERATIONS = 400
+NEARLY = 100.0
+"""Of the forces that may be left over: what is enough where no step lowers the energy any more."""
 MOST_ROUNDS = 20
 STEADY = 1e-3
 """Change of the forces between yarns, as a share of the largest, that changes nothing."""
@@ -74,6 +74,8 @@ class Patch:
         where the wave is free to pass from one to the other.
     given
         Whether `pressed` is given and not found.
+    precise
+        Forces left over in equilibrium, as a share of all that act on the nodes.
     """
 
     net: Net
@@ -86,6 +88,7 @@ class Patch:
     anchors: Float = field(default_factory=lambda: np.zeros((0, 2)))
     pressed: Float = field(default_factory=lambda: np.zeros((0, 2)))
     given: bool = False
+    precise: float = 1e-6
 
     def __post_init__(self) -> None:
         """Copy what changes, and fill in what was not given."""
@@ -183,17 +186,18 @@ class Patch:
         terms = self.terms()
         here = self._energy(terms)
         self._caution = 1.0
+        none = ROUNDING * self.net.strands[0].stiffness * float(np.sqrt(self.net.crossings))
         for iteration in range(MOST_ITERATIONS):
             slope = np.where(self.free, self._gradient(terms), 0.0)
             scale = self._force_scale(terms)
             left = float(np.sqrt((slope * slope).sum()))
             if watch is not None:
                 watch(done + iteration, left / scale)
-            if left <= PRECISE * scale:
+            if left <= max(self.precise * scale, none):
                 return iteration
             moved = self._step(terms, slope, here)
             if moved is None:
-                if left <= 100.0 * PRECISE * scale:
+                if left <= NEARLY * max(self.precise * scale, none):
                     return iteration
                 continue
             terms, here = moved
@@ -205,7 +209,7 @@ class Patch:
         for one in terms:
             parts = np.matmul(one.gradient[:, None, :], one.jacobian)
             square += float((parts * parts).sum())
-        return max(float(np.sqrt(square)), NO_FORCE * self.net.strands[0].stiffness)
+        return max(float(np.sqrt(square)), 1e-300)
 
     def _step(self, terms: list[Terms], slope: Float, here: float) -> tuple[list[Terms], float] | None:
         """Move the state along one Newton step; return its elements and energy, or None if none was found."""

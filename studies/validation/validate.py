@@ -11,6 +11,7 @@ from toile.studies.validation.validate_orders import validate_orders
 from toile.studies.validation.validate_patch import validate_patch
 from toile.studies.validation.validate_stick_slip import validate_stick_slip
 from toile.studies.validation.validate_stretch import validate_stretch
+from toile.studies.validation.validate_yarns import validate_yarns
 from toile.studies.validation.validation_row import ValidationRow
 
 VALIDATIONS: dict[str, Callable[[], Iterator[ValidationRow]]] = {
@@ -22,6 +23,7 @@ VALIDATIONS: dict[str, Callable[[], Iterator[ValidationRow]]] = {
     "stick_slip": validate_stick_slip,
     "orders": validate_orders,
     "friction": validate_friction,
+    "yarns": validate_yarns,
     "drape": validate_drape,
 }
 """All cases, the quick ones first."""

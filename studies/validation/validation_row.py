@@ -35,7 +35,7 @@ class ValidationRow:
     @property
     def met(self) -> bool:
         """Whether the error is within the bar; one that is not a number is not."""
-        return self.error <= self.bar
+        return bool(self.error <= self.bar)
 
 
 def relative_row(
