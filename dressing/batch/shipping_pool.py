@@ -14,6 +14,7 @@ from toile.dressing.batch.job_folder import RESULTS, put_in_place, work_folder
 from toile.dressing.batch.outcome import Outcome
 from toile.dressing.batch.pool import Pool
 from toile.dressing.batch.processes.isolated_call import Ended, Limits
+from toile.dressing.body.posing.posed_body import moved_poses
 from toile.dressing.certificate.input_files import files_of
 from toile.dressing.run.garment_source import built_in_name
 from toile.dressing.run.scene import AvatarFile, Garment, Scene
@@ -104,7 +105,7 @@ def shipped(work: Callable[[JobRequest], Outcome], request: JobRequest) -> Shipm
     scene = request.scene
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
-        avatar = replace(avatar, path=pack(avatar.path))
+        avatar = replace(avatar, path=pack(avatar.path), pose=moved_poses(avatar.pose, pack))
     measurements = scene.measurements
     if isinstance(measurements, Path):
         measurements = pack(measurements)
@@ -142,7 +143,9 @@ def _moved(scene: Scene, folder: Path) -> Scene:
     """Return a packed scene with its files in a folder."""
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
-        avatar = replace(avatar, path=folder / avatar.path)
+        avatar = replace(
+            avatar, path=folder / avatar.path, pose=moved_poses(avatar.pose, lambda path: folder / path)
+        )
     measurements = scene.measurements
     if isinstance(measurements, Path):
         measurements = folder / measurements

@@ -165,6 +165,9 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     )
     add_reading(dress)
     dress.add_argument(
+        "--pose", action="append", metavar="FILE", help="the body in a pose to which it moves; repeat"
+    )
+    dress.add_argument(
         "--lead-in", type=lead_in, metavar="SECONDS|off",
         help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
         "hang); off leaves the arms of a body that stands",

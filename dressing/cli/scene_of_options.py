@@ -40,8 +40,10 @@ def scene_of(options: argparse.Namespace) -> "Scene":
     reading = reading_of(options)
     if options.lead_in is not None:
         reading["lead_in"] = options.lead_in
+    if options.pose:
+        reading["pose"] = options.pose
     if options.avatar is None and reading:
-        words = ", ".join(f"--{name}" for name in (*READING, "lead-in"))
+        words = ", ".join(f"--{name}" for name in (*READING, "lead-in", "pose"))
         raise InputError(f"{words} describe the file of --avatar, which is missing", field="--avatar")
     if options.avatar is not None:
         given["avatar"] = AvatarFile(path=options.avatar, **reading)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.place import Place
+from toile.dressing.body.posing.posed_body import moved_poses
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.run.output.earlier_run import remove_earlier_run
 from toile.dressing.run.resolved_scene import ResolvedScene
@@ -134,7 +135,7 @@ def _with_whole_paths(scene: ResolvedScene) -> ResolvedScene:
     """Return a scene that can be read from any folder."""
     avatar = scene.avatar
     if isinstance(avatar, AvatarFile):
-        avatar = replace(avatar, path=avatar.path.absolute())
+        avatar = replace(avatar, path=avatar.path.absolute(), pose=moved_poses(avatar.pose, Path.absolute))
     garments = tuple(
         replace(garment, source=garment.source.absolute()) if isinstance(garment.source, Path) else garment
         for garment in scene.garments

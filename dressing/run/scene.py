@@ -10,6 +10,7 @@ import numpy.typing as npt
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.measurements import Measurements
 from toile.dressing.body.obstacles.obstacle import Obstacle, given_obstacles
+from toile.dressing.body.posing.posed_body import given_poses
 from toile.dressing.body.reading import Reading
 from toile.dressing.files.writers.field_mesh import checked_formats
 from toile.dressing.fit.fit_words import check_fit
@@ -51,22 +52,20 @@ class AvatarFile:
     ----------
     path
         The file or folder.
-    units, up
-        "m", "cm" or "mm", and "y" or "z"; recognised where None.
-    front
-        Axis of the file that the body faces, such as "-z"; recognised where None.
+    units, up, front
+        "m", "cm" or "mm"; "y" or "z"; axis of the file that the body faces, such as "-z"; None: recognised.
     only, without
         Names of the parts that are the body, and of those that are not, with wildcards.
-    fps
-        Frames per second; None takes the file's own or 24.
-    time
-        Time of its motion at which it stands still [s], or None: it moves.
+    fps, time
+        Frames per second, None: the file's own or 24; time at which it stands still [s], None: it moves.
     clip
         Name of the animation of a glTF file; None takes the first.
     lead_in
         Length of a motion [s] that leads from the rest pose of its skeleton, or from open arms, in which
         garments are sewn, into its clip; "off" makes none; None makes one of 1 s where sleeves could not be
         sewn without, and opens and closes the arms of a body that stands.
+    pose
+        Files of the body in other poses, to which it moves; FILE@SECONDS is a glTF clip as it stands then.
     """
 
     path: Path
@@ -79,6 +78,7 @@ class AvatarFile:
     time: float | None = None
     clip: str | None = None
     lead_in: float | str | None = None
+    pose: Sequence[str | Path] = ()
 
     if TYPE_CHECKING:
 
@@ -86,12 +86,12 @@ class AvatarFile:
             self, *, path: str | Path, units: str | None = None, up: str | None = None,
             front: str | None = None, only: str | Sequence[str] = (), without: str | Sequence[str] = (),
             fps: SupportsFloat | None = None, time: SupportsFloat | None = None, clip: str | None = None,
-            lead_in: SupportsFloat | str | None = None,
+            lead_in: SupportsFloat | str | None = None, pose: str | Path | Sequence[str | Path] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
         """Accept convenient spellings. Raises InputError naming a field of a wrong type."""
-        _set(self, path=given_path(self.path, "path"))
+        _set(self, path=given_path(self.path, "path"), pose=given_poses(self.pose))
         for name in ("only", "without"):
             _set(self, **{name: given_names(getattr(self, name), name)})
         for name in ("units", "up", "front", "clip"):

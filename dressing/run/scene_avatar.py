@@ -7,6 +7,7 @@ from toile.dressing.body.avatar import Avatar, load_avatar
 from toile.dressing.body.dress_form import DressForm
 from toile.dressing.body.given_measurements import Given, read_measurements
 from toile.dressing.body.in_memory.body_in_memory import sound
+from toile.dressing.body.posing.posed_body import given_poses, load_posed_body
 from toile.dressing.run.scene import OFF, AvatarFile, AvatarSource
 from toile.geometry.errors import InputError, about
 
@@ -39,6 +40,9 @@ def load_dress_form(source: AvatarSource, measurements: Given | Path) -> tuple[A
 
 def _read(file: AvatarFile) -> Avatar:
     """Return the avatar of a file or folder, with its motion if it has one and no time is given."""
+    if file.pose:
+        _check_still(file)
+        return load_posed_body(file.path, given_poses(file.pose), reading=file.reading, fps=file.fps)
     if is_animated(file.path):
         if file.time is not None:
             return load_posed_avatar(
@@ -57,3 +61,21 @@ def _read(file: AvatarFile) -> Avatar:
     return load_avatar(
         file.path, units=file.units, up=file.up, front=file.front, only=file.only, without=file.without
     )
+
+
+def _check_still(file: AvatarFile) -> None:
+    """Raise InputError where a body is to move to poses that moves by itself."""
+    if is_animated(file.path) and file.time is None:
+        raise InputError(
+            f"{file.path}: moves by itself, and pose is for a body that stands; leave one out, or export its "
+            "pose of rest as a mesh",
+            file=file.path,
+            field="pose",
+        )
+    for field in ("time", "clip"):
+        if getattr(file, field) is not None:
+            raise InputError(
+                f"{file.path}: {field} is for an avatar that moves; write {file.path.name}@SECONDS as a pose",
+                file=file.path,
+                field=field,
+            )

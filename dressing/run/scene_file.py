@@ -28,6 +28,7 @@ from typing import Any
 from toile.dressing.body.given_measurements import measurements_of
 from toile.dressing.body.obstacles.obstacle import Obstacle
 from toile.dressing.body.obstacles.obstacle_table import OBSTACLE_HEADING, OBSTACLE_KEYS, obstacle_of
+from toile.dressing.body.posing.posed_body import moved_poses
 from toile.dressing.files.parse_text import parse_toml
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.files.toml_lines import LineNumbers, OneLine, key_path
@@ -85,6 +86,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
             (int, float, str),
             "motion from a rest pose or open arms into the clip [s], or off (default: if needed)",
         ),
+        "pose": ((str, list), "the body in other poses, to which it moves: FILE, or FILE@SECONDS of a clip"),
         "units": (str, "m, cm or mm (default: recognised from the size)"),
         "up": (str, "y or z (default: recognised)"),
         "front": (str, "axis of the file that the body faces, such as -z (default: recognised)"),
@@ -126,7 +128,7 @@ PLAIN_KEYS = (
     "quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats", "fit", "certificate",
 )  # fmt: skip
 """Keys of the top level that a Scene takes as they are."""
-FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in")
+FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in", "pose")
 """Keys of [avatar] that say how its file is read."""
 TYPE_NAMES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", list: "a list"}
 
@@ -287,8 +289,7 @@ class _SceneReader:
         self._check_keys(values, "avatar", ("avatar",))
         sizes = {key: values[key] for key in ("height", "chest", "waist", "hip") if key in values}
         if "file" not in values:
-            stray = next((key for key in FILE_KEYS if key in values), None)
-            if stray:
+            if stray := next((key for key in FILE_KEYS if key in values), None):
                 raise self._error(("avatar", stray), f"{stray} needs a file in [avatar]")
             return MannequinSize(**sizes) if sizes else None
         if sizes:
@@ -299,9 +300,9 @@ class _SceneReader:
                 raise self._error(
                     ("avatar", choice), f"{choice} lists names of parts, got {values[choice]!r}"
                 )
-        return AvatarFile(
-            path=self._resolve(values["file"]), **{key: values[key] for key in FILE_KEYS if key in values}
-        )
+        said = {key: values[key] for key in FILE_KEYS if key in values}
+        said["pose"] = moved_poses(values.get("pose", ()), lambda path: self._resolve(str(path)))
+        return AvatarFile(path=self._resolve(values["file"]), **said)
 
     def _measurements(self, values: str | dict[str, Any] | None) -> Path | Mapping[str, Any] | None:
         """Return the measurements of the [avatar] table, or their file."""

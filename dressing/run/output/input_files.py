@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from toile.dressing.body.posing.posed_body import file_of
 from toile.dressing.certificate.input_files import files_of, sha256_of
 from toile.dressing.run.scene import AvatarFile
 
@@ -15,6 +16,7 @@ def input_hashes(scene: "ResolvedScene") -> list[dict[str, str]]:
     named: list[tuple[str, Path]] = []
     if isinstance(scene.avatar, AvatarFile):
         named.append(("avatar", scene.avatar.path))
+        named += [("pose", file_of(str(pose))[0]) for pose in scene.avatar.pose]
     named += [(f"obstacle {one.called}", one.path) for one in scene.obstacles if one.path is not None]
     if isinstance(scene.measurements, Path):
         named.append(("measurements", scene.measurements))
