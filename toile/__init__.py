@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from toile.dressing.garment.fabrics import fabric, fabrics
     from toile.dressing.garment.fields.closure import Closure
     from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Painted, Textured
+    from toile.dressing.garment.fields.layer import Layer
     from toile.dressing.garment.fields.patch import Patch
     from toile.dressing.garment.garment_mesh import GarmentMesh
     from toile.dressing.garment.readers import register_reader
@@ -73,6 +74,7 @@ _HOME = {
     "Job": "toile.dressing.batch.job",
     "JobResult": "toile.dressing.batch.batch",
     "Keyed": "toile.engine.cloth.fields.keyed",
+    "Layer": "toile.dressing.garment.fields.layer",
     "Live": "toile.dressing.live.live_scene",
     "MannequinSize": "toile.dressing.run.scene",
     "Measurements": "toile.dressing.body.measurements",
@@ -130,6 +132,7 @@ __all__ = [
     "Job",
     "JobResult",
     "Keyed",
+    "Layer",
     "Live",
     "MannequinSize",
     "Measurements",

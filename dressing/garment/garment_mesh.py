@@ -14,6 +14,7 @@ from toile.geometry.given_arrays import floats, indices
 
 if TYPE_CHECKING:
     # They need scipy, which is loaded when it is needed.
+    from toile.dressing.garment.fields.layer import Layers
     from toile.dressing.garment.trims import Trims
     from toile.engine.cloth.fields.edge_runs import EdgeRun
     from toile.engine.cloth.fields.fastenings import Fastening
@@ -118,6 +119,8 @@ class GarmentMesh:
         Gas in it.
     fastenings
         Points that are fastened to each other, as of its only garment.
+    layers
+        Layers of its faces beneath their fabric, or None.
 
     Raises InputError if an array is of a wrong shape, not finite, or names what does not exist.
     """
@@ -153,6 +156,7 @@ class GarmentMesh:
     holds: "tuple[tuple[RunHold, Int | None], ...]" = ()
     gas: "tuple[Gas, ...]" = ()
     fastenings: "tuple[Fastening, ...]" = ()
+    layers: "Layers | None" = None
 
     def __post_init__(self) -> None:
         """Take arrays of any numeric type, checked."""

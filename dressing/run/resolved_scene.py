@@ -152,7 +152,7 @@ def resolve(scene: Scene) -> ResolvedScene:
                 warp_angle=garment.warp_angle, units=garment.units, up=garment.up,
                 walls=garment.walls,
                 size=garment.size, allowance=garment.allowance, seams=_seams(garment),
-                panel_fabrics=panels, folds=garment.folds, parts=garment.parts,
+                panel_fabrics=panels, folds=garment.folds, parts=_parts(garment, scene),
             )
             for garment, name, source, fabric, panels in zip(
                 scene.garments, _unique_names(scene.garments), sources, cloth, panel_cloth, strict=True
@@ -214,6 +214,21 @@ def _panel_fabrics(garment: Garment, scene: Scene) -> dict[str, Fabric]:
             panel: _known_fabric(choice, scene, "panel_fabrics")
             for panel, choice in garment.panel_fabrics.items()
         }
+
+
+def _parts(garment: Garment, scene: Scene) -> Parts:
+    """Return what a garment says of its parts, the fabrics of its layers found and checked."""
+    parts = garment.parts
+    if not parts.layers:
+        return parts
+    with about(garment=default_name(garment)):
+        layers = [
+            layer
+            if layer.fabric is None
+            else replace(layer, fabric=_known_fabric(layer.fabric, scene, "layer"))
+            for layer in parts.layers
+        ]
+    return replace(parts, layers=tuple(layers))
 
 
 def _known_fabric(choice: str | Fabric, scene: Scene, field: str) -> Fabric:

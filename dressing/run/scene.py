@@ -17,6 +17,7 @@ from toile.dressing.fit.fit_words import check_fit
 from toile.dressing.garment.fabrics import DEFAULT_FABRIC
 from toile.dressing.garment.fields.closure import Closure
 from toile.dressing.garment.fields.field import Elastic, Field, Filling, Hold, Parts
+from toile.dressing.garment.fields.layer import Layer
 from toile.dressing.garment.fields.patch import Patch
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.garment.given_values import (
@@ -176,8 +177,8 @@ class Garment:
     seams
         Path of the seams file of a DXF or FreeSewing pattern, None for the one beside it; or seams as texts,
         such as "front.3 + back.2 = sleeve.1", which are added to those of a GarmentCode pattern.
-    fields, elastic, holds, gas, closures, patches
-        Values on parts, elastic, holds of a film, gas, buttons and zips, pockets: Field, Elastic and so on.
+    fields, elastic, holds, gas, closures, patches, layers
+        Values on parts, elastic, holds of a film, gas, buttons and zips, pockets, linings: Field and so on.
     """
 
     source: str | Path | GarmentMesh | Pattern
@@ -201,18 +202,13 @@ class Garment:
     gas: Filling | None = None
     closures: Sequence[Closure] = ()
     patches: Sequence[Patch] = ()
+    layers: Sequence[Layer] = ()
 
     @property
     def parts(self) -> Parts:
         """All that it says of its parts."""
-        return Parts(
-            fields=tuple(self.fields),
-            elastic=tuple(self.elastic),
-            holds=tuple(self.holds),
-            gas=self.gas,
-            closures=tuple(self.closures),
-            patches=tuple(self.patches),
-        )
+        listed = ("fields", "elastic", "holds", "closures", "patches", "layers")
+        return Parts(gas=self.gas, **{name: tuple(getattr(self, name)) for name in listed})
 
     if TYPE_CHECKING:
 
@@ -225,7 +221,7 @@ class Garment:
             panel_fabrics: Mapping[str, str | Fabric] = ..., folds: Mapping[str, Sequence[Fold]] = ...,
             fields: Sequence[Field] = (),
             elastic: Sequence[Elastic] = (), holds: Sequence[Hold] = (), gas: Filling | None = None,
-            closures: Sequence[Closure] = (), patches: Sequence[Patch] = (),
+            closures: Sequence[Closure] = (), patches: Sequence[Patch] = (), layers: Sequence[Layer] = (),
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from toile.dressing.garment.fields.layered_fabric import layered
 from toile.dressing.garment.garment_mesh import GarmentMesh
 from toile.dressing.pattern.roles import HANGS_FROM, SITS_ON
 from toile.engine.cloth.cloth import Cloth
@@ -33,7 +34,11 @@ def assemble_cloth(garments: list[tuple[GarmentMesh, Fabric]], pins: list[Int]) 
     offsets = np.cumsum([0] + [len(mesh.positions) for mesh, _ in garments])
     seams = np.cumsum([0] + [len(mesh.seam_names) for mesh, _ in garments])
     fabrics = tuple(
-        dict.fromkeys(entry for mesh, fabric in garments for entry in (fabric, *mesh.panel_fabrics.values()))
+        dict.fromkeys(
+            entry
+            for mesh, fabric in garments
+            for entry in (fabric, *mesh.panel_fabrics.values(), *_layered_fabrics(mesh, fabric).values())
+        )
     )
     positions = np.concatenate([mesh.positions for mesh, _ in garments])
     count = len(positions)
@@ -154,7 +159,25 @@ def _placed(value: Value, rest: Float) -> Value:
 def _fabric_of_faces(mesh: GarmentMesh, fabric: Fabric, fabrics: tuple[Fabric, ...]) -> Int:
     """Return the index of the fabric of every face of a garment: its panel's, or the garment's."""
     of_panel = [fabrics.index(mesh.panel_fabrics.get(name, fabric)) for name in mesh.panel_names]
-    return np.array(of_panel, np.int32)[mesh.panel]
+    found: Int = np.array(of_panel, np.int32)[mesh.panel]
+    for (panel, stack), together in _layered_fabrics(mesh, fabric).items():
+        assert mesh.layers is not None
+        found[(mesh.panel == panel) & (mesh.layers.stack == stack)] = fabrics.index(together)
+    return found
+
+
+def _layered_fabrics(mesh: GarmentMesh, fabric: Fabric) -> dict[tuple[int, int], Fabric]:
+    """Return the fabric of every panel with every stack of layers that lies on it, by both numbers."""
+    if mesh.layers is None:
+        return {}
+    pairs = np.unique(np.column_stack([mesh.panel, mesh.layers.stack]), axis=0)
+    return {
+        (panel, stack): layered(
+            mesh.panel_fabrics.get(mesh.panel_names[panel], fabric), mesh.layers.stacks[stack]
+        )
+        for panel, stack in pairs.tolist()
+        if mesh.layers.stacks[stack]
+    }
 
 
 def _stiffened(folds: Folds, fabrics: tuple[Fabric, ...], fabric: Int) -> Folds:

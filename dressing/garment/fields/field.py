@@ -8,7 +8,9 @@ from pathlib import Path
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fields.closure import Closure
+from toile.dressing.garment.fields.layer import Layer
 from toile.dressing.garment.fields.patch import Patch
+from toile.dressing.garment.fields.where import check_where
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
@@ -101,23 +103,7 @@ class Field:
             name: float(value) if isinstance(value, int) else value for name, value in self.values.items()
         }
         object.__setattr__(self, "values", numbers)
-        if (self.run is None) != (self.width is None):
-            raise InputError(
-                "field: run and width belong together: a band of that width beside it", field="width"
-            )
-        if self.width is not None and not (_is_number(self.width) and 0.001 <= self.width <= 10.0):
-            raise InputError(
-                f"field: width must lie between 0.001 and 10 m, got {self.width!r}", field="width"
-            )
-        if self.polygon and (
-            len(self.polygon) < 3 or not all(len(p) == 2 and all(map(_is_number, p)) for p in self.polygon)
-        ):
-            raise InputError(
-                f"field: polygon must have three corners (x, y) at least, got {list(self.polygon)!r}",
-                field="polygon",
-            )
-        if self.polygon and self.run is not None:
-            raise InputError("field: give a run with a width or a polygon, not both", field="polygon")
+        check_where("field", self.run, self.width, self.polygon)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,6 +224,7 @@ class Parts:
     gas: Filling | None = None
     closures: tuple[Closure, ...] = ()
     patches: tuple[Patch, ...] = ()
+    layers: tuple[Layer, ...] = ()
 
     @property
     def attributes(self) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Garments with fields, elastic, gas and holds: meshed along their borders, and marked."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +10,8 @@ import numpy as np
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.garment.fields.closure_points import fastening_of
 from toile.dressing.garment.fields.cut_mesh import Level
-from toile.dressing.garment.fields.field import Field, FieldValue, Painted, Parts, Textured
+from toile.dressing.garment.fields.field import Field, FieldValue, Hold, Painted, Parts, Textured
+from toile.dressing.garment.fields.layer import Layer, Layers
 from toile.dressing.garment.fields.patch import patched
 from toile.dressing.garment.fields.places import cuts_of, levels_of
 from toile.dressing.garment.fields.read_png import read_brightness
@@ -42,7 +43,8 @@ def mesh_with_parts(pattern: Pattern, parts: Parts, edges: SewingEdges, fps: flo
     lines: dict[str, list[Level]] = {}
     with _named(pattern.name):
         _check_panels(parts, tuple(panel.name for panel in pattern.panels))
-        levels = [levels_of(field, pattern) for field in parts.fields]
+        regions: list[Field | Layer] = [*parts.fields, *parts.layers]
+        levels = [levels_of(one, pattern) for one in regions]
         for of_panels in levels:
             for name, level in of_panels.items():
                 lines.setdefault(name, []).append(level)
@@ -64,7 +66,7 @@ def _named(garment: str) -> Iterator[None]:
 
 
 def with_parts(mesh: GarmentMesh, parts: Parts, levels: list[dict[str, Level]], fps: float) -> GarmentMesh:
-    """Return a mesh with its parts; `levels` of its fields, by panel, say which faces lie within."""
+    """Return a mesh with its parts; `levels` of fields and layers, by panel, say which faces lie within."""
     elastic = [
         (EdgeRun(garment=0, panel=panel, lines=NO_LINES, rest=one.rest, stiffness=one.stiffness), sides)
         for one in parts.elastic
@@ -89,7 +91,9 @@ def with_parts(mesh: GarmentMesh, parts: Parts, levels: list[dict[str, Level]], 
         mesh = replace(mesh, fastenings=tuple(fastening_of(closure, mesh) for closure in parts.closures))
     if parts.patches:
         mesh = patched(mesh, parts.patches)
-    return _with_fields(mesh, parts.fields, levels) if parts.fields else mesh
+    if parts.layers:
+        mesh = _with_layers(mesh, parts.layers, levels[len(parts.fields) :])
+    return _with_fields(mesh, parts.fields, levels[: len(parts.fields)]) if parts.fields else mesh
 
 
 def parts_on_mesh(mesh: GarmentMesh, parts: Parts, fps: float) -> GarmentMesh:
@@ -98,32 +102,28 @@ def parts_on_mesh(mesh: GarmentMesh, parts: Parts, fps: float) -> GarmentMesh:
         return mesh
     with _named(mesh.name):
         _check_panels(parts, mesh.panel_names)
-        for field in parts.fields:
-            if field.run is not None or field.polygon:
+        regions: list[Field | Layer] = [*parts.fields, *parts.layers]
+        for one in regions:
+            if one.run is not None or one.polygon:
+                what = "field" if isinstance(one, Field) else "layer"
                 raise InputError(
-                    "field: bands and polygons need a pattern; paint vertices of a mesh, or name its panels",
-                    field="run" if field.run is not None else "polygon",
+                    f"{what}: bands and polygons need a pattern; of a mesh, paint vertices or name panels",
+                    field="run" if one.run is not None else "polygon",
                 )
-        return with_parts(mesh, parts, [{} for _ in parts.fields], fps)
+        return with_parts(mesh, parts, [{} for _ in regions], fps)
 
 
 def _check_panels(parts: Parts, known: tuple[str, ...]) -> None:
-    """Raise InputError if a field or a hold names a panel that is not there."""
-    named = [name for field in parts.fields for name in field.panels]
-    for name in [*named, *(name for hold in parts.holds for name in hold.panels)]:
+    """Raise InputError if a field, a layer or a hold names a panel that is not there."""
+    named: list[Field | Layer | Hold] = [*parts.fields, *parts.layers, *parts.holds]
+    for name in [name for one in named for name in one.panels]:
         if name not in known:
             raise InputError(f"panels: {unknown_name('panel', name, known)}", field="panels")
 
 
 def _with_fields(mesh: GarmentMesh, fields: tuple[Field, ...], levels: list[dict[str, Level]]) -> GarmentMesh:
     """Return a mesh with a region for every combination of fields on a panel."""
-    within = np.stack([_within(mesh, field, on) for field, on in zip(fields, levels, strict=True)], axis=1)
-    for field, own in zip(fields, within.T, strict=True):
-        if not own.any():
-            raise InputError(
-                "field: no part of the garment lies in it; check its width or polygon",
-                field="polygon" if field.polygon else "width",
-            )
+    within = _all_within(mesh, fields, levels, "field")
     rows = np.column_stack([np.where(within.any(axis=1), mesh.panel + 1, 0), within])
     kinds, inverse = np.unique(rows, axis=0, return_inverse=True)
     region: Int = inverse.ravel().astype(np.int32)
@@ -143,8 +143,32 @@ def _with_fields(mesh: GarmentMesh, fields: tuple[Field, ...], levels: list[dict
     return replace(mesh, fields=found if found.names() else None, pull=pull if pull.any() else mesh.pull)
 
 
-def _within(mesh: GarmentMesh, field: Field, levels: Levels) -> Bool:
-    """Mark the faces of a field, shape (t,)."""
+def _with_layers(mesh: GarmentMesh, layers: tuple[Layer, ...], levels: list[dict[str, Level]]) -> GarmentMesh:
+    """Return a mesh with the stack of layers of every face."""
+    within = _all_within(mesh, layers, levels, "layer")
+    kinds, stack = np.unique(within, axis=0, return_inverse=True)
+    stacks = tuple(
+        tuple(layer for layer, is_in in zip(layers, kind, strict=True) if is_in) for kind in kinds.tolist()
+    )
+    return replace(mesh, layers=Layers(stack.ravel().astype(np.int32), stacks))
+
+
+def _all_within(
+    mesh: GarmentMesh, regions: Sequence[Field | Layer], levels: list[dict[str, Level]], what: str
+) -> Bool:
+    """Mark the faces of fields or layers, shape (t, k). Raises InputError if one has none."""
+    within = np.stack([_within(mesh, one, on) for one, on in zip(regions, levels, strict=True)], axis=1)
+    for one, own in zip(regions, within.T, strict=True):
+        if not own.any():
+            raise InputError(
+                f"{what}: no part of the garment lies in it; check its width or polygon",
+                field="polygon" if one.polygon else "width",
+            )
+    return within
+
+
+def _within(mesh: GarmentMesh, field: Field | Layer, levels: Levels) -> Bool:
+    """Mark the faces of a field or a layer, shape (t,)."""
     names = field.panels or mesh.panel_names
     own: Bool = np.isin(mesh.panel, [mesh.panel_names.index(name) for name in names])
     if field.run is None and not field.polygon:

@@ -6,6 +6,7 @@ import numpy as np
 
 from toile.dressing.garment.fields.cut_mesh import HALVINGS, ON_LINE, Level
 from toile.dressing.garment.fields.field import Elastic, Field, Hold, Parts
+from toile.dressing.garment.fields.layer import Layer
 from toile.dressing.garment.fields.patch import Patch
 from toile.dressing.garment.fields.runs import run_parts
 from toile.dressing.pattern.pattern import Panel, Pattern
@@ -19,8 +20,8 @@ ALONG = 128
 """Points along an edge at which its distance from a line is looked at."""
 
 
-def levels_of(field: Field, pattern: Pattern) -> dict[str, Level]:
-    """Return the level of a field that ends within panels, by the panel's name; none where it does not."""
+def levels_of(field: Field | Layer, pattern: Pattern) -> dict[str, Level]:
+    """Return the level of what ends within panels, by the panel's name; none where it does not."""
     chosen = field.panels or [panel.name for panel in pattern.panels]
     if field.polygon:
         corners = np.array(field.polygon, np.float64)
@@ -32,7 +33,7 @@ def levels_of(field: Field, pattern: Pattern) -> dict[str, Level]:
         if part.panel in chosen:
             lines.setdefault(part.panel, []).append(_polyline(pattern.panel(part.panel), part))
     if not lines:
-        raise InputError(f"field: run '{field.run}' lies on none of the panels {list(chosen)}", field="run")
+        raise InputError(f"run '{field.run}' lies on none of the panels {list(chosen)}", field="run")
     return {name: _band(pieces, field.width) for name, pieces in lines.items()}
 
 
@@ -44,8 +45,8 @@ def cuts_of(parts: Parts, levels: Sequence[dict[str, Level]], pattern: Pattern) 
             panel = pattern.panel(name)
             for edge in range(len(panel.edges)):
                 cuts.setdefault((name, edge), []).extend(_crossings(panel, edge, level))
-    named: list[Field | Elastic | Hold | Patch] = [
-        *parts.fields, *parts.elastic, *parts.holds, *parts.patches,
+    named: list[Field | Layer | Elastic | Hold | Patch] = [
+        *parts.fields, *parts.layers, *parts.elastic, *parts.holds, *parts.patches,
     ]  # fmt: skip
     runs = [one.run for one in named] + [run for one in parts.closures for run in (one.over, one.under)]
     for run in runs:

@@ -20,11 +20,12 @@ from toile.dressing.garment.fields.field import (
     Parts,
     Textured,
 )
+from toile.dressing.garment.fields.layer import Layer
 from toile.dressing.garment.fields.patch import Patch
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.errors import InputError
 
-Part = TypeVar("Part", Field, Elastic, Hold, Closure, Patch)
+Part = TypeVar("Part", Field, Elastic, Hold, Closure, Patch, Layer)
 NUMBER = (int, float)
 VALUE = (int, float, dict)
 PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
@@ -71,6 +72,14 @@ PART_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "at": (list, "where its own origin lies in the coordinates of that panel, [x, y] [m]"),
         "turn": (NUMBER, "by how much it is turned there, counter-clockwise [degrees]"),
     },
+    "garment.layer": {
+        "fabric": (str, "name of the fabric of the layer (default: that of the cloth itself, as of a hem)"),
+        "bond": (NUMBER, "0 slides along the cloth (default), 1 is one plate with it; glue is between"),
+        "panels": (list, "names of the panels (default: all, or those of the run)"),
+        "run": (str, 'edges: a role such as waist, a label, or "front.3 + back.1[0:0.5]"'),
+        "width": (NUMBER, "of the band beside the run that the layer covers [m]"),
+        "polygon": (list, "corners [x, y] in the panel's own coordinates [m] of what it covers"),
+    },
     "garment.gas": {
         "pressure": (VALUE, "constant pressure above that outside of a closed garment [Pa]; or"),
         "volume": (VALUE, "volume that the gas in it has outside [m^3]"),
@@ -84,6 +93,7 @@ GARMENT_KEYS: dict[str, tuple[Any, str]] = {
     "hold": (list, "tables: one [[garment.hold]] for what a film holds for a time"),
     "closure": (list, "tables: one [[garment.closure]] for each row of buttons or snaps, or zip"),
     "patch": (list, "tables: one [[garment.patch]] for each panel sewn onto another, such as a pocket"),
+    "layer": (list, "tables: one [[garment.layer]] for each lining, interlining, facing or hem"),
     "gas": (dict, "table: gas in a closed garment"),
 }
 """The keys of [[garment]] under which they stand."""
@@ -105,6 +115,7 @@ def read_parts(values: Mapping[str, Any], folder: Path) -> Parts:
         holds=tuple(_each(values, "hold", lambda table: _hold(table, folder))),
         closures=tuple(_each(values, "closure", lambda table: _closure(table, folder))),
         patches=tuple(_each(values, "patch", lambda table: _patch(table, folder))),
+        layers=tuple(_each(values, "layer", lambda table: _layer(table, folder))),
     )
     if gas is None:
         return parts
@@ -159,10 +170,19 @@ def _field(table: Any, folder: Path) -> Field:
         values={name: found[name] for name in QUANTITIES if name in found},
         panels=_names(found.get("panels", []), "field"),
         run=found.get("run"), width=found.get("width"),
-        polygon=tuple(
-            tuple(corner) if isinstance(corner, list) else (corner,) for corner in found.get("polygon", [])
-        ),
+        polygon=_corners(found),
     )  # fmt: skip
+
+
+def _layer(table: Any, folder: Path) -> Layer:
+    found = _checked(table, "garment.layer", (), folder)
+    return Layer(**{**found, "panels": _names(found.get("panels", []), "layer"), "polygon": _corners(found)})
+
+
+def _corners(found: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Return the corners of a polygon, to be checked."""
+    given = found.get("polygon", [])
+    return tuple(tuple(corner) if isinstance(corner, list) else (corner,) for corner in given)
 
 
 def _elastic(table: Any, folder: Path) -> Elastic:
