@@ -59,7 +59,7 @@ def _run_live(options: argparse.Namespace) -> int:
 
 def _game(options: argparse.Namespace) -> "Game":
     """Return what to play with."""
-    from toile.dressing.live.record import replayed
+    from toile.dressing.live.replay import replayed
     from toile.dressing.live.sheet import Sheet
     from toile.dressing.live.wishes import Game
     from toile.dressing.run.scene import Garment, Scene
