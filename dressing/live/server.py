@@ -119,18 +119,17 @@ class LiveServer(Generic[P]):
             if wish.get("do") == "stop":
                 self.stop()
                 continue
-            if wish.get("do") == "save":
-                paths = self.game.save(self.folder)
-                page.texts.append(json.dumps({"say": ", ".join(map(str, paths))}))
-                page.wake.set()
-                continue
             if wish.get("do") == JOIN:
                 page.texts += [json.dumps(self._scene()), json.dumps(self._state())]
                 page.frame = self.game.frame()
                 page.wake.set()
                 continue
             try:
-                if self.game.carry_out(wish):
+                if wish.get("do") == "save":
+                    paths = self.game.save(self.folder)
+                    page.texts.append(json.dumps({"say": ", ".join(map(str, paths))}))
+                    page.wake.set()
+                elif self.game.carry_out(wish):
                     self._tell_all(self._scene())
                     self._offer_frame()
             except InputError as error:
