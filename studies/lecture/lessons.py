@@ -76,7 +76,7 @@ STEPS = (
             Setup(model="triangles", cells=10, ball=True, pins="none", fabric=fabric(POPLIN)),
             Setup(model="adaptive", cells=10, ball=True, pins="none", fabric=fabric(POPLIN)),
         ),
-        controls=(), own=("cells",),
+        controls=(), own=("cells",), curves=(),
     ),
     Lesson(
         name="yarns",
@@ -84,7 +84,7 @@ STEPS = (
             Setup(model="triangles", cells=16, ball=True, pins="none", fabric=fabric(POPLIN)),
             Setup(model="triangles", cells=16, ball=True, pins="none", fabric=fabric(DENIM)),
         ),
-        controls=(),
+        controls=(), curves=(),
     ),
 )  # fmt: skip
 """The lecture."""

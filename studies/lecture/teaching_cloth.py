@@ -19,12 +19,13 @@ from toile.engine.step.cloth_run import ClothRun
 from toile.engine.step.options import StepOptions
 from toile.engine.step.step import ClothStepper
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.errors import InputError
 from toile.geometry.stage_clock import StageClock
 from toile.remesh.panel.grid import grid_mesh
 from toile.remesh.sizing.sizing import SizingOptions
 from toile.studies.lecture.setup import PINS, Setup
 from toile.studies.lecture.stable_step import fastest, longest_step
-from toile.studies.scenes.motion import LINEARISED, free_options
+from toile.studies.scenes.motion import Solving, free_options
 from toile.studies.scenes.spring_cloth import SpringNet, grid_springs, spring_stepper
 
 INTEGRATORS: dict[str, Integrator] = {
@@ -36,8 +37,10 @@ REMESH_EVERY = 6
 """Steps from one remeshing to the next."""
 FINEST, COARSEST, TURN = 0.035, 0.14, 0.5
 """Edges of adaptive meshes [m], and the turn along one [rad]."""
-SHORTEST = 2e-4
-"""Finest steps of what errors are measured against [s]: shorter ones would not keep up."""
+FINE = 1.0 / 240.0
+"""Steps of what errors are measured against [s]: BDF2 is then right to a few tenths of a millimetre."""
+SOLVING = Solving(iterations=1, cg_tolerance=1e-5)
+"""One Newton iteration, solved so far that errors are those of the steps."""
 PULL, REACH = 2.0, 0.1
 """Force of a hand per distance [N/m], and the radius of the patch that it holds [m]."""
 
@@ -80,15 +83,12 @@ class TeachingCloth:
         x, v = (start, np.zeros_like(start)) if at is None else at
         self.stepper = self._made(x, v)
         self.x, self.v = self.stepper.x.copy(), self.stepper.v.copy()
-        self.limit, self._exact = inf, 0.0
+        self.limit = inf
         if setup.fabric is None and not setup.ball and setup.model != "adaptive":
             # Triangles of the same numbers are about as fast as the springs.
             net = grid_springs(1.0, 1.0, setup.cells, setup.cells, setup.made_of)
             frequency = fastest(net, start, self.pinned)
             self.limit = longest_step(setup.method, frequency, setup.lag)
-            # Stable with room to spare, and exact: what errors are measured against.
-            share = 0.4 if setup.model == "springs" else 0.2
-            self._exact = share * longest_step("symplectic", frequency, setup.lag)
 
     def _made(self, x: Float, v: Float) -> ClothStepper:
         """Return the stepper of the setup, at places [m] and velocities [m/s], shapes (n, 3)."""
@@ -128,14 +128,14 @@ class TeachingCloth:
         return TeachingCloth(setup, (self.x, self.v), self.seconds)
 
     def twin(self) -> "TeachingCloth | None":
-        """Return the same cloth in fine steps, what errors are measured against; None where it costs much."""
-        if self._exact < SHORTEST:
+        """Return the same cloth in fine steps, what errors are measured against; None beside a ball."""
+        if self.setup.ball or self.setup.model == "adaptive":
             return None
-        exact = replace(self.setup, method="symplectic", step=self._exact)
+        exact = replace(self.setup, method="bdf2", step=FINE)
         return TeachingCloth(exact, (self.x, self.v), self.seconds)
 
     def advance(self, until: float, exactly: bool = False) -> None:
-        """Make all steps that end by a time [s]; or `exactly` until then, in equal steps that are shorter."""
+        """Make all steps that end by a time [s]; or `exactly` until then, in equal shorter steps."""
         h = self.setup.step
         if exactly:
             h = (until - self.seconds) / max(1, ceil((until - self.seconds) / h - 1e-9))
@@ -147,7 +147,7 @@ class TeachingCloth:
         now = self.seconds
 
         def ask(length: float, share: float) -> StepRequest:
-            return LINEARISED.request(length, now + share * h)
+            return SOLVING.request(length, now + share * h)
 
         with np.errstate(all="ignore"):
             try:
@@ -199,21 +199,39 @@ class TeachingCloth:
         return kinetic, self.stepper.elastic_energy(), self.setup.gravity * height
 
     def distance(self, other: "TeachingCloth") -> float:
-        """Return the root mean square distance of its nodes to those of another [m]; infinite if exploded."""
+        """Return the root mean square distance of its nodes to those of another [m]; infinite if exploded.
+
+        What is a part of a step behind is carried on by its velocity.
+        """
         if self.exploded is not None or other.exploded is not None or self.x.shape != other.x.shape:
             return inf
-        return float(np.sqrt(((self.x - other.x) ** 2).sum(axis=1).mean()))
+        x = self.x + (other.seconds - self.seconds) * self.v
+        return float(np.sqrt(((x - other.x) ** 2).sum(axis=1).mean()))
 
-    def pull(self, node: int | None, target: Float | None) -> None:
-        """Pull the patch around a node towards a place [m], shape (3,), or let go."""
+    def pattern_place(self, node: int) -> Float:
+        """Return where a node lies in the pattern [m], shape (2,). Raises InputError if there is none."""
+        if not 0 <= node < len(self.x):
+            raise InputError(f"there is no node {node}; they go from 0 to {len(self.x) - 1}", field="node")
+        uv = self.uv if self._run is None else self._run.cloth.uv
+        return np.asarray(uv[node])
+
+    def node_at(self, place: Float) -> int:
+        """Return the node that is nearest to a place of the pattern [m], shape (2,)."""
+        uv = self.uv if self._run is None else self._run.cloth.uv
+        return int(np.argmin(((uv - place) ** 2).sum(axis=1)))
+
+    def pull(self, node: int, target: Float) -> None:
+        """Pull the patch around a node towards a place [m], shape (3,), until it is released."""
         self.push.force[:] = 0.0
-        if node is None or target is None or not 0 <= node < len(self.x):
-            return
         near = np.linalg.norm(self.x - self.x[node], axis=1) <= REACH
         way = np.asarray(target, np.float64) - self.x[node]
         # Whatever the mass of a node, the same acceleration.
         share = self.stepper.mass[near] / self.stepper.mass[near].sum()
         self.push.force[near] = PULL * share[:, None] * way
+
+    def release(self) -> None:
+        """Let go."""
+        self.push.force[:] = 0.0
 
 
 def _pinned(middle: Float, pins: str) -> Bool:

@@ -19,11 +19,12 @@ class LecturePage {
     this.words = LESSONS[document.documentElement.lang] || LESSONS.en;
     this.find = (name) => root.querySelector(`[data-view=${name}]`);
     for (const element of root.querySelectorAll("[data-word]")) element.textContent = this.words[element.dataset.word];
+    for (const option of root.querySelectorAll("[data-weave=weave] option")) Object.assign(option, { value: option.textContent, textContent: this.words.choices[option.textContent] || option.textContent });
     this.panes = [0, 1].map((k) => this.pane(k));
     this.nav();
     for (const button of root.querySelectorAll("[data-do]")) button.addEventListener("click", () => this.press(button.dataset.do));
     for (const control of root.querySelectorAll("[data-weave]")) control.addEventListener("change", () => this.weave());
-    root.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("keydown", (event) => this.key(event));
     this.connect();
   }
 
@@ -151,7 +152,7 @@ class LecturePage {
       for (const label of figure.querySelector(".own").children) put(label.dataset.set.slice(0, -1), label, scene.panes[k].setup[label.dataset.set.slice(0, -1)]);
     });
     if (scene.name === "yarns") {
-      this.find("picture").innerHTML = scene.picture;
+      this.find("picture").innerHTML = this.words.picture.reduce((text, [from, to]) => text.replaceAll(from, to), scene.picture);
       for (const control of this.root.querySelectorAll("[data-weave]")) {
         control.value = control.dataset.weave === "tex" ? parseFloat(scene.weave.warp.split(":")[1]) : scene.weave[control.dataset.weave];
         const output = control.parentElement.querySelector("output");
@@ -180,7 +181,7 @@ class LecturePage {
       if (this.unframed) pane.stage.frame();
       pane.stage.draw();
     });
-    if (this.unframed && this.scene) { this.unframed = false; for (const { stage } of this.panes) { stage.middle = [0, -0.15, 0]; stage.distance *= 1.15; } this.root.dataset.ready = "yes"; }
+    if (this.unframed && this.scene) { this.unframed = false; for (const { stage } of this.panes) { stage.middle = [0, -0.15, this.scene.panes[0].ball ? 0 : -0.25]; stage.distance *= 1.15; } this.root.dataset.ready = "yes"; }
     if (this.frames % 6 === 0 && this.curves) for (const curve of this.curves) curve.draw();
     requestAnimationFrame(() => { this.frames += 1; if (this.socket.readyState === 1) this.socket.send("drawn"); });
   }

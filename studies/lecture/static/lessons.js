@@ -10,6 +10,7 @@ const LESSONS = {
     lost: "The connection is gone. The page tries again. If toile live has ended, start it anew.", ended: "It has ended. Start toile live again.",
     choices: { explicit: "explicit Euler", symplectic: "symplectic Euler", implicit: "implicit Euler", bdf2: "BDF2", springs: "mass–spring", triangles: "triangles",
       structural: "structural", shear: "and shear", all: "and bending", "one edge": "one edge", corners: "corners" },
+    picture: [],
     caption(setup, lesson, k) {
       if (lesson === "remeshing") return k ? "Adaptive mesh" : "Uniform mesh";
       if (lesson === "yarns") return k ? "Woven from your yarns" : "Cotton poplin";
@@ -38,7 +39,7 @@ const LESSONS = {
         <p class="formula">v₁ = v₀ + h M⁻¹ f(x₁, v₁),   x₁ = x₀ + h v₁</p><p>Linearised, it is one large sparse system, solved by conjugate gradients:</p>
         <p class="formula">(M + h D + h² K) Δv = h (f₀ − h K v₀)</p>
         <p>It stays calm at any step, and pays with energy: a swing of 1 Hz loses half of it in a second at h = 1/60 s. Left symplectic Euler, which takes v₁ instead of v₀ in x₁ and is stable for h &lt; 2/ω. BDF2 looks back two steps and loses far less.</p>
-        <p>The error curves show the distance to the same model in fine steps.</p>` },
+        <p>The error curves show the distance to the same model in fine steps (BDF2, 1/240 s).</p>` },
       triangles: { title: "Triangles", text: `<p>Springs know lengths, cloth knows areas. Take each triangle's map from the pattern to space instead, and its derivatives along warp and weft (Baraff and Witkin 1998).</p>
         <p class="formula">F = [w<sub>u</sub>  w<sub>v</sub>]</p><p class="formula">E = A [½ k<sub>u</sub>(|w<sub>u</sub>| − 1)² + ½ k<sub>v</sub>(|w<sub>v</sub>| − 1)² + ½ G (w<sub>u</sub>·w<sub>v</sub>)²]</p>
         <p>The numbers k<sub>u</sub>, k<sub>v</sub>, G [N/m] can be measured on a fabric and do not depend on the mesh; bending is the curvature times a rigidity.</p>
@@ -52,7 +53,7 @@ const LESSONS = {
         <p>What the warp gains in wave height the weft loses: that is why pulling one way shortens the other. This is what <code>toile fabric weave</code> computes. Change the weave and see its curve and its drape, on the right.</p>` },
       compare: { title: "Side by side", text: `<p>Two cloths of the same fabric. Choose the model and the integrator of each, k<sub>s</sub>, k<sub>d</sub>, and the time step until the explicit one explodes.</p>
         <p class="formula">mass–spring: E = ½ k<sub>s</sub>(|d| − L)²</p><p class="formula">stable: explicit h &lt; k<sub>d</sub>/k<sub>s</sub>, symplectic h &lt; 2/ω</p>
-        <p>The curves show the total energy and the distance to the same model in fine steps: blue left, orange right. Where fine steps would be too many to keep up, there is no error curve.</p>` },
+        <p>The curves show the total energy and the distance to the same model in fine steps: blue left, orange right.</p>` },
     },
   },
   es: {
@@ -63,7 +64,10 @@ const LESSONS = {
     help: "Arrastra la tela para tirar de ella, un lugar vacío para girarla. Teclas: espacio, s un paso, r otra vez, re pág y av pág; sobre una vista flechas, + y -.",
     lost: "Se perdió la conexión. La página lo intenta otra vez. Si toile live terminó, inícialo de nuevo.", ended: "Ha terminado. Inicia toile live de nuevo.",
     choices: { explicit: "Euler explícito", symplectic: "Euler simpléctico", implicit: "Euler implícito", bdf2: "BDF2", springs: "masa–resorte", triangles: "triángulos",
-      structural: "estructurales", shear: "y de cizalla", all: "y de flexión", "one edge": "un borde", corners: "esquinas" },
+      structural: "estructurales", shear: "y de cizalla", all: "y de flexión", "one edge": "un borde", corners: "esquinas", plain: "tafetán", twill: "sarga 2/2", satin: "raso" },
+    picture: [["from above, warp upright", "desde arriba, urdimbre vertical"], ["a warp yarn from the side, crimp", "un hilo de urdimbre de lado, rizado"],
+      ["a weft yarn from the side, crimp", "un hilo de trama de lado, rizado"], ["tension [N/m] over strain [%], pulled alone", "tensión [N/m] por deformación [%], en un sentido"],
+      [">warp<", ">urdimbre<"], [">weft<", ">trama<"]],
     caption(setup, lesson, k) {
       if (lesson === "remeshing") return k ? "Malla adaptativa" : "Malla uniforme";
       if (lesson === "yarns") return k ? "Tejida con tus hilos" : "Popelina de algodón";
@@ -92,7 +96,7 @@ const LESSONS = {
         <p class="formula">v₁ = v₀ + h M⁻¹ f(x₁, v₁),   x₁ = x₀ + h v₁</p><p>Linealizado es un gran sistema disperso, resuelto por gradientes conjugados:</p>
         <p class="formula">(M + h D + h² K) Δv = h (f₀ − h K v₀)</p>
         <p>Queda en calma con cualquier paso y paga con energía: una oscilación de 1 Hz pierde la mitad en un segundo con h = 1/60 s. A la izquierda Euler simpléctico, que toma v₁ en vez de v₀ en x₁ y es estable si h &lt; 2/ω. BDF2 mira dos pasos atrás y pierde mucho menos.</p>
-        <p>Las curvas de error muestran la distancia al mismo modelo en pasos finos.</p>` },
+        <p>Las curvas de error muestran la distancia al mismo modelo en pasos finos (BDF2, 1/240 s).</p>` },
       triangles: { title: "Triángulos", text: `<p>Los resortes saben de longitudes, la tela de áreas. Toma la aplicación de cada triángulo del patrón al espacio y sus derivadas según urdimbre y trama (Baraff y Witkin 1998).</p>
         <p class="formula">F = [w<sub>u</sub>  w<sub>v</sub>]</p><p class="formula">E = A [½ k<sub>u</sub>(|w<sub>u</sub>| − 1)² + ½ k<sub>v</sub>(|w<sub>v</sub>| − 1)² + ½ G (w<sub>u</sub>·w<sub>v</sub>)²]</p>
         <p>Los números k<sub>u</sub>, k<sub>v</sub>, G [N/m] se miden en una tela y no dependen de la malla; la flexión es la curvatura por una rigidez.</p>
@@ -106,7 +110,7 @@ const LESSONS = {
         <p>Lo que gana la onda de la urdimbre lo pierde la de la trama: por eso tirar en un sentido acorta el otro. Es lo que calcula <code>toile fabric weave</code>. Cambia el ligamento y mira su curva y su caída, a la derecha.</p>` },
       compare: { title: "Lado a lado", text: `<p>Dos telas iguales. Elige el modelo y el integrador de cada una, k<sub>s</sub>, k<sub>d</sub> y el paso hasta que el explícito explote.</p>
         <p class="formula">masa–resorte: E = ½ k<sub>s</sub>(|d| − L)²</p><p class="formula">estable: explícito h &lt; k<sub>d</sub>/k<sub>s</sub>, simpléctico h &lt; 2/ω</p>
-        <p>Las curvas muestran la energía total y la distancia al mismo modelo en pasos finos: azul izquierda, naranja derecha. Si los pasos finos serían demasiados, no hay curva de error.</p>` },
+        <p>Las curvas muestran la energía total y la distancia al mismo modelo en pasos finos: azul izquierda, naranja derecha.</p>` },
     },
   },
 };
