@@ -6,6 +6,7 @@ drawn a frame; until then it gets one more at most, so that a page that lags dro
 
 import http
 import json
+import logging
 import secrets
 import socket
 import threading
@@ -26,6 +27,10 @@ JOIN = "join"
 """What a page asks for when it comes."""
 STATE_EVERY = 0.25
 """Time between two messages about the state [s]."""
+
+QUIET = logging.getLogger("toile.live")
+"""Browsers open connections that they never use: that is no news."""
+QUIET.setLevel(logging.CRITICAL + 1)
 
 P = TypeVar("P", bound=Played)
 
@@ -72,7 +77,7 @@ class LiveServer(Generic[P]):
         self.url = f"{own}/{self.token}/"
         self._server = serve(
             self._converse, sock=bound, process_request=self._answer, origins=[own], compression=None,
-            max_size=65536,
+            max_size=65536, logger=QUIET,
         )  # fmt: skip
 
     # Threads.

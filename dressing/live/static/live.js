@@ -9,7 +9,7 @@ class LivePage {
     this.find = (name) => root.querySelector(`[data-view=${name}]`);
     this.control = (name) => root.querySelector(`[data-set=${name}]`);
     Object.assign(this, { tool: "pull", cloth: null, colour: "", state: null, frames: 0, before: null, ended: false, lastStep: 0, pinMarks: new Set() });
-    this.stage = new Stage(this.find("canvas"));
+    this.stage = new Stage(this.find("canvas"), !Stage.drawnByProcessor());
     this.stage.tilt = 0.3;
     this.stage.grab = (x, y) => this.grab(x, y);
     for (const element of root.querySelectorAll("[data-word]")) element.textContent = this.words[element.dataset.word];

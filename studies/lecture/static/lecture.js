@@ -30,7 +30,7 @@ class LecturePage {
 
   pane(k) {
     const figure = this.root.querySelector(`[data-pane="${k}"]`), [canvas, over] = figure.querySelectorAll("canvas");
-    const stage = new Stage(canvas);
+    const stage = new Stage(canvas, !Stage.drawnByProcessor());
     Object.assign(stage, { wires: true, tilt: 0.25, turn: 0.5 });
     stage.grab = (x, y) => this.grab(k, x, y);
     // Both are seen from the same side.
