@@ -20,8 +20,9 @@ toile bench [NAME ...]  error against CPU time of the scenes cantilever, swing, 
 toile bench compare OLD.json NEW.json  regressions in time or accuracy between two stored reports
 toile bench remesh      adaptive against uniform meshes
 toile bench film [walk] [skirt] [layers]  what garments on moving bodies cost, this version beside another
-toile bench live [SCENE ...] [latency] [streaming] [memory]  steps of cloth that is played with; its page: pointer
-                        to pixel (needs playwright and Chromium), CPU time of 60 frames/s, memory over 10 minutes
+toile bench live        steps of cloth that is played with, and what a hand does to it
+toile bench live latency streaming memory  its page: pointer to pixel (needs playwright and Chromium), CPU
+                        time of 60 frames/s, memory over 10 minutes
 toile bench memory      whether the memory of a long film stays flat
 
 The exit code is 1 if a bar is missed or a point has become worse."""
@@ -66,7 +67,9 @@ def add_bench(commands: "Commands[Parser]") -> None:
         "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"
     )
     bench.add_argument(
-        "--seconds", type=float, metavar="S",
+        "--seconds",
+        type=float,
+        metavar="S",
         help="remesh: length of the films instead of the scenes' own; live: time that its page is measured",
     )
     add_film_options(bench)
@@ -114,7 +117,6 @@ def _run_bench(options: argparse.Namespace) -> int:
 def _run_live_bench(options: argparse.Namespace) -> int:
     """Measure live cloth; the exit code tells whether all bars were met."""
     import json
-
     from dataclasses import asdict
 
     from toile.studies.live.bench_live import SCENES, as_json, bench_live, live_table
@@ -134,7 +136,8 @@ def _run_live_bench(options: argparse.Namespace) -> int:
         kept = [*as_json(rows), *(asdict(one) | {"missed": one.missed()} for one in figures)]
         options.json.write_text(json.dumps(kept, indent=2) + "\n")
     print("\n".join(text for text in (live_table(rows) if rows else "", page_table(figures)) if text))
-    return MISSED if any(row.missed() for row in (*rows, *figures)) else DONE
+    missed = [row.missed() for row in rows] + [figure.missed() for figure in figures]
+    return MISSED if any(missed) else DONE
 
 
 def _run_remesh(options: argparse.Namespace) -> int:

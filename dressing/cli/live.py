@@ -21,12 +21,15 @@ def add_live(commands: "Commands[Parser]") -> None:
         "live",
         help="play with cloth or a dressed body in the browser",
         description="Serve a page on this machine (127.0.0.1 only, with a token in its address) on which "
-        "cloth is pulled, pinned and blown at. 'toile live lecture' shows how cloth is simulated, in eight steps "
-        "with cloth that moves; 'toile live compare' two models or integrators side by side. It ends with "
-        "Ctrl-C or the page's button. Needs the extra: pip install 'toile[live]'.",
+        "cloth is pulled, pinned and blown at. 'toile live lecture' shows how cloth is simulated, in eight "
+        "steps with cloth that moves; 'toile live compare' two models or integrators side by side. It ends "
+        "with Ctrl-C or the page's button. Needs the extra: pip install 'toile[live]'.",
     )
     live.add_argument(
-        "scene", nargs="?", type=Path, metavar="SCENE.toml|PLAY.json|lecture|compare",
+        "scene",
+        nargs="?",
+        type=Path,
+        metavar="SCENE.toml|PLAY.json|lecture|compare",
         help="scene, a saved play, or a page to learn from",
     )
     live.add_argument("--cloth", type=int, metavar="N", help="a sheet of N x N cells, 2 to 100 (default: 50)")

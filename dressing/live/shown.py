@@ -15,7 +15,7 @@ PRESSURE = "pressure"
 
 
 def packed_frame(game: "Game") -> bytes:
-    """Return a frame: step, numbers of floats for obstacles and for values, these, then positions, float32."""
+    """Return a frame: step, how many floats obstacles and values have, these, positions; all float32."""
     offsets = [part for offset in game.offsets().values() for part in offset]
     frame = game.live.frame
     values = game.live.pressure() if game.shows == PRESSURE else np.empty(0)

@@ -198,7 +198,9 @@ class Game:
 
     def restart(self, wish: Wish) -> bool:
         """Begin anew, with another sheet where the wish says so."""
-        given = {key: wish[key] for key in ("cells", "side", "fabric", "grain", "pins", "object") if key in wish}
+        given = {
+            key: wish[key] for key in ("cells", "side", "fabric", "grain", "pins", "object") if key in wish
+        }
         if given:
             self.start = replace(self.start if isinstance(self.start, Sheet) else Sheet(), **given)
         self.live.close()

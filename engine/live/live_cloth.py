@@ -211,7 +211,7 @@ class LiveCloth(ClothRun):
         self._pin_goals[nodes] = places
 
     def pressure(self) -> Float:
-        """Return what presses on the nodes now, over their rest area [Pa], shape (n,): obstacles and cloth."""
+        """Return the pressure of obstacles and cloth on the nodes now [Pa], shape (n,)."""
         collisions, x = self.stepper.collisions, self.stepper.x
         if collisions is None:
             return np.zeros(len(x))

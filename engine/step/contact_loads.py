@@ -51,14 +51,14 @@ def contact_loads(
 
 
 def presses_of_nodes(contacts: Contacts, count: int) -> Float:
-    """Return the normal forces of contacts with the avatar and of cloth with itself on nodes [N], shape (n,)."""
+    """Return the normal forces on nodes [N], shape (n,): of the avatar, and of cloth on itself."""
     press = np.zeros(count)
     for corner in range(4):
         at = contacts.vertices[:, corner]
         own = at < count
-        press += np.bincount(
-            at[own], np.abs(contacts.weights[own, corner]) * contacts.push[own], count
-        )[:count]
+        press += np.bincount(at[own], np.abs(contacts.weights[own, corner]) * contacts.push[own], count)[
+            :count
+        ]
     return press
 
 

@@ -187,7 +187,7 @@ class Lecture:
         }  # fmt: skip
 
     def frame(self) -> bytes:
-        """Return the time, then for each pane: version, nodes, corners of faces, energies, error, all float32.
+        """Return the time, then for each pane: version, nodes, corners, energies, error; all float32.
 
         Its positions follow, and the faces of a pane whose mesh changes.
         """

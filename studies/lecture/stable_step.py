@@ -36,9 +36,9 @@ def longest_step(method: str, frequency: float, lag: float) -> float:
     """Return the longest stable step [s] of "explicit" or "symplectic" Euler; infinite for other methods.
 
     Each mode of frequency w obeys x'' = -w^2 (x + lag x'). Both methods are stable while the roots of the
-    polynomial of a step lie in the unit circle (Jury 1964): symplectic Euler for h < sqrt(lag^2 + 4/w^2) - lag;
-    explicit Euler for h < lag, and beyond critical damping for h < lag - sqrt(lag^2 - 4/w^2). Without damping
-    explicit Euler never is.
+    polynomial of a step lie in the unit circle (Jury 1964): symplectic Euler for
+    h < sqrt(lag^2 + 4/w^2) - lag; explicit Euler for h < lag, beyond critical damping for
+    h < lag - sqrt(lag^2 - 4/w^2). Without damping explicit Euler never is.
     """
     if method == "symplectic":
         return sqrt(lag**2 + 4.0 / frequency**2) - lag

@@ -183,7 +183,7 @@ class TeachingCloth:
         return np.empty((0, 2), np.int32) if self._net is None else self._net.pairs
 
     def kinds(self) -> Int:
-        """What every spring is: 0 structural, 1 shear, 2 bending; shape (s,)."""
+        """Return what every spring is: 0 structural, 1 shear, 2 bending; shape (s,)."""
         if self._net is None:
             return np.empty(0, np.int32)
         lengths = self._net.lengths * self.setup.cells

@@ -32,17 +32,20 @@ WATCH = """node => {
   const game = window.game;
   if (game.timed) return;
   game.timed = { times: [], from: null };
+  const place = () => [...game.cloth.positions.slice(3 * node, 3 * node + 3)];
   game.stage.canvas.addEventListener("pointermove", () => {
     const t = game.timed;
-    if (t.armed) { t.armed = false; t.from = performance.now(); t.at = [...game.cloth.positions.slice(3 * node, 3 * node + 3)]; }
+    if (!t.armed) return;
+    Object.assign(t, { armed: false, from: performance.now(), at: place() });
   }, true);
   const drawn = game.stage.drawNow.bind(game.stage);
   game.stage.drawNow = () => {
     drawn();
     const t = game.timed;
     if (t.from === null) return;
-    const p = game.cloth.positions.slice(3 * node, 3 * node + 3);
-    if (Math.hypot(p[0] - t.at[0], p[1] - t.at[1], p[2] - t.at[2]) > 2e-4) { t.times.push(performance.now() - t.from); t.from = null; }
+    if (Math.hypot(...place().map((value, k) => value - t.at[k])) < 2e-4) return;
+    t.times.push(performance.now() - t.from);
+    t.from = null;
   };
 }"""
 """Notes when the pointer moves and when a picture is drawn in which the cloth under it has followed."""
@@ -84,7 +87,7 @@ def latency(seconds: float | None = None) -> PageRow:
         page.evaluate(WATCH, node)
         for pull in range(PULLS):
             place = page.evaluate(
-                "node => { const b = document.getElementById('canvas').getBoundingClientRect(), g = window.game;"
+                "node => { const g = window.game, b = g.stage.canvas.getBoundingClientRect();"
                 "const p = g.stage.project([...g.cloth.positions.slice(3 * node, 3 * node + 3)]);"
                 "return [p[0] + b.left, p[1] + b.top]; }",
                 node,
@@ -187,7 +190,11 @@ def memory(seconds: float | None = None) -> PageRow:
         k = 0
         while time.monotonic() < end:
             node = 700 + 100 * (k % 8)
-            wishes = ({"do": "grip", "node": node}, {"do": "pull", "offset": [0.1, 0.15, 0.1]}, {"do": "release"})
+            wishes = (
+                {"do": "grip", "node": node},
+                {"do": "pull", "offset": [0.1, 0.15, 0.1]},
+                {"do": "release"},
+            )
             server.wishes.append((page, wishes[k % 3]))
             k += 1
             time.sleep(min(1.0, span / 20.0))

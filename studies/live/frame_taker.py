@@ -11,7 +11,7 @@ def main() -> None:
 
     parts = urlsplit(sys.argv[1])
     own = f"http://{parts.netloc}"
-    with connect(f"ws://{parts.netloc}{parts.path}talk", origin=own) as page:  # type: ignore[arg-type]
+    with connect(f"ws://{parts.netloc}{parts.path}talk", origin=own) as page:
         try:
             for message in page:
                 if isinstance(message, bytes):

@@ -65,9 +65,7 @@ class _Buffer:
         self.views: list[dict[str, int]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def add(
-        self, array: npt.NDArray[Any], kind: str, target: int | None, *, bounds: bool = False
-    ) -> int:
+    def add(self, array: npt.NDArray[Any], kind: str, target: int | None, *, bounds: bool = False) -> int:
         """Append an array of 4-byte numbers and return its accessor's index."""
         component = UNSIGNED_INT if array.dtype == np.uint32 else FLOAT
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}

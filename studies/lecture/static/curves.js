@@ -28,7 +28,12 @@ class Curves {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, wide, high);
     const value = (v) => (this.log ? Math.log10(Math.max(v, 1e-7)) : v);
-    const points = this.lines.map((line) => line.filter((p) => Number.isFinite(p[1])));
+    let points = this.lines.map((line) => line.filter((p) => Number.isFinite(p[1])));
+    if (!this.log && points[0].length && points[1].length) {
+      // What explodes leaves the picture, and the other stays in it.
+      const cap = 3 * Math.min(...points.map((line) => Math.max(...line.map((p) => Math.abs(p[1])))));
+      if (cap > 1e-3) points = points.map((line) => line.map(([t, v]) => [t, Math.max(-cap, Math.min(cap, v))]));
+    }
     const all = points.flat();
     pen.font = "12px system-ui, sans-serif";
     pen.fillStyle = "#667085";

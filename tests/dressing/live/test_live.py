@@ -227,9 +227,17 @@ def test_the_cloth_is_pulled_pinned_and_paused_in_a_browser(server: LiveServer[G
             f"'{round(1e3 * live.cloth.fabrics[0].areal_density)} g/m²')"
         )
         page.check("[data-set=texture]")
-        for colour, unit in (("stretch", "%"), ("warp", "%"), ("weft", "%"), ("pressure", "Pa"), ("speed", "m/s")):
+        for colour, unit in (
+            ("stretch", "%"),
+            ("warp", "%"),
+            ("weft", "%"),
+            ("pressure", "Pa"),
+            ("speed", "m/s"),
+        ):
             page.select_option("[data-set=colour]", colour)
-            page.wait_for_function(f"document.querySelector('[data-view=scale]').textContent.includes('{unit}')")
+            page.wait_for_function(
+                f"document.querySelector('[data-view=scale]').textContent.includes('{unit}')"
+            )
         page.check("[data-set=floor]")
         until(lambda: live.ground is not None)
         page.wait_for_function("window.game.floor && window.game.floor.shown")

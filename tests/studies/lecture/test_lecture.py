@@ -99,7 +99,7 @@ def test_a_setup_says_what_is_wrong_with_it() -> None:
         {"model": "adaptive", "method": "explicit"},
     ):  # fmt: skip
         with pytest.raises(InputError):
-            Setup(**wrong)  # type: ignore[arg-type]
+            Setup(**wrong)
 
 
 def test_a_lecture_does_what_it_is_asked() -> None:
@@ -177,7 +177,9 @@ def test_the_lecture_is_gone_through_in_a_browser(server: LiveServer[Lecture]) -
         assert len(titles) == 8
         before = page.inner_html("[data-view=picture]")
         page.select_option("[data-weave=weave]", "satin")
-        page.wait_for_function("before => document.querySelector('[data-view=picture]').innerHTML !== before", arg=before)
+        page.wait_for_function(
+            "before => document.querySelector('[data-view=picture]').innerHTML !== before", arg=before
+        )
         assert server.game.weave["weave"] == "satin"
         explicit = [step.name for step in STEPS].index("explicit")
         page.locator("nav button").nth(explicit).click()
