@@ -21,7 +21,7 @@ toile bench compare OLD.json NEW.json  regressions in time or accuracy between t
 toile bench remesh      adaptive against uniform meshes
 toile bench film [walk] [skirt] [layers]  what garments on moving bodies cost, this version beside another
 toile bench live        steps of cloth that is played with, and what a hand does to it
-toile bench live latency streaming memory  its page: pointer to pixel (needs playwright and Chromium), CPU
+toile bench live latency streaming memory  its page: pointer to pixel (extra browser, and Chromium), CPU
                         time of 60 frames/s, memory over 10 minutes
 toile bench memory      whether the memory of a long film stays flat
 

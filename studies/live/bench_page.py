@@ -72,7 +72,7 @@ def latency(seconds: float | None = None) -> PageRow:
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        raise InputError("latency needs playwright: pip install playwright") from None
+        raise InputError("latency needs playwright: pip install 'toile[browser]'") from None
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
         raise InputError(f"latency needs a browser: {', '.join(BROWSERS)}")
