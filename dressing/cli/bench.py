@@ -21,6 +21,8 @@ toile bench compare OLD.json NEW.json  regressions in time or accuracy between t
 toile bench remesh      adaptive against uniform meshes
 toile bench film [walk] [skirt] [layers]  what garments on moving bodies cost, this version beside another
 toile bench live        steps of cloth that is played with, and what a hand does to it
+toile bench live latency streaming memory  its page: pointer to pixel (extra browser, and Chromium), CPU
+                        time of 60 frames/s, memory over 10 minutes
 toile bench memory      whether the memory of a long film stays flat
 
 The exit code is 1 if a bar is missed or a point has become worse."""
@@ -30,7 +32,7 @@ OWN_OPTIONS = {
     "remesh": ("repeats", "json", "scene", "seconds"),
     "compare": ("ratio",),
     "film": ("repeats", "json", "against", "blender", "still", "avatar", "garment", "quality", "frames"),
-    "live": ("json",),
+    "live": ("json", "seconds"),
     "memory": ("frames",),
 }
 """Options that the report takes, and those of the other studies."""
@@ -65,7 +67,10 @@ def add_bench(commands: "Commands[Parser]") -> None:
         "--scene", action="append", metavar="NAME", help="remesh: only this scene; repeat for more"
     )
     bench.add_argument(
-        "--seconds", type=float, metavar="S", help="remesh: length of the films instead of the scenes' own"
+        "--seconds",
+        type=float,
+        metavar="S",
+        help="remesh: length of the films instead of the scenes' own; live: time that its page is measured",
     )
     add_film_options(bench)
     bench.set_defaults(run=_run_bench)
@@ -112,18 +117,27 @@ def _run_bench(options: argparse.Namespace) -> int:
 def _run_live_bench(options: argparse.Namespace) -> int:
     """Measure live cloth; the exit code tells whether all bars were met."""
     import json
+    from dataclasses import asdict
 
     from toile.studies.live.bench_live import SCENES, as_json, bench_live, live_table
+    from toile.studies.live.bench_page import PAGE_STUDIES, bench_page
+    from toile.studies.live.page_row import page_table
 
-    _check_names("scene", options.name[1:], SCENES)
-    rows = []
-    for row in bench_live(options.name[1:] or SCENES):
+    names = options.name[1:] or list(SCENES)
+    _check_names("scene", names, [*SCENES, *PAGE_STUDIES])
+    rows, figures = [], []
+    for row in bench_live(name for name in names if name in SCENES):
         say_progress(f"{row.scene}: {row.median:.1f} ms")
         rows.append(row)
+    for figure in bench_page((name for name in names if name in PAGE_STUDIES), options.seconds):
+        say_progress(f"{figure.name}: {figure.value:.1f} {figure.unit}")
+        figures.append(figure)
     if options.json is not None:
-        options.json.write_text(json.dumps(as_json(rows), indent=2) + "\n")
-    print(live_table(rows))
-    return MISSED if any(row.missed() for row in rows) else DONE
+        kept = [*as_json(rows), *(asdict(one) | {"missed": one.missed()} for one in figures)]
+        options.json.write_text(json.dumps(kept, indent=2) + "\n")
+    print("\n".join(text for text in (live_table(rows) if rows else "", page_table(figures)) if text))
+    missed = [row.missed() for row in rows] + [figure.missed() for figure in figures]
+    return MISSED if any(missed) else DONE
 
 
 def _run_remesh(options: argparse.Namespace) -> int:

@@ -2,13 +2,17 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from toile.dressing.cli.parser import DONE, Commands, Parser
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
     from toile.dressing.live.wishes import Game
+    from toile.studies.lecture.lecture import Lecture
+
+LEARN = ("lecture", "compare")
+"""Pages to learn from."""
 
 
 def add_live(commands: "Commands[Parser]") -> None:
@@ -17,11 +21,16 @@ def add_live(commands: "Commands[Parser]") -> None:
         "live",
         help="play with cloth or a dressed body in the browser",
         description="Serve a page on this machine (127.0.0.1 only, with a token in its address) on which "
-        "cloth is pulled, pinned and blown at. It ends with Ctrl-C or the page's button. Needs the extra: "
-        "pip install 'toile[live]'.",
+        "cloth is pulled, pinned and blown at. 'toile live lecture' shows how cloth is simulated, in eight "
+        "steps with cloth that moves; 'toile live compare' two models or integrators side by side. It ends "
+        "with Ctrl-C or the page's button. Needs the extra: pip install 'toile[live]'.",
     )
     live.add_argument(
-        "scene", nargs="?", type=Path, metavar="SCENE.toml|PLAY.json", help="scene, or a saved play"
+        "scene",
+        nargs="?",
+        type=Path,
+        metavar="SCENE.toml|PLAY.json|lecture|compare",
+        help="scene, a saved play, or a page to learn from",
     )
     live.add_argument("--cloth", type=int, metavar="N", help="a sheet of N x N cells, 2 to 100 (default: 50)")
     live.add_argument(
@@ -46,8 +55,7 @@ def _run_live(options: argparse.Namespace) -> int:
 
     from toile.dressing.live.server import LiveServer
 
-    game = _game(options)
-    server = LiveServer(game, options.port, options.language)
+    server: LiveServer[Any] = LiveServer(_played(options), options.port, options.language)
     print(f"open {server.url}  (Ctrl-C ends)", flush=True)
     opened = None if options.no_open else lambda: webbrowser.open(server.url)
     try:
@@ -57,9 +65,24 @@ def _run_live(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _played(options: argparse.Namespace) -> "Game | Lecture":
+    """Return what to play with, or the page to learn from."""
+    if options.scene is None or str(options.scene) not in LEARN:
+        return _game(options)
+    given: list[str] = [
+        f"--{name}" for name in ("cloth", "garment", "fabric", "pins", "object")
+        if getattr(options, name) is not None
+    ]  # fmt: skip
+    if given:
+        raise InputError(f"{given[0]} does not apply to toile live {options.scene}", field=given[0])
+    from toile.studies.lecture.lecture import Lecture, compared
+
+    return Lecture() if str(options.scene) == "lecture" else compared()
+
+
 def _game(options: argparse.Namespace) -> "Game":
     """Return what to play with."""
-    from toile.dressing.live.record import replayed
+    from toile.dressing.live.replay import replayed
     from toile.dressing.live.sheet import Sheet
     from toile.dressing.live.wishes import Game
     from toile.dressing.run.scene import Garment, Scene

@@ -6,22 +6,17 @@ drawn a frame; until then it gets one more at most, so that a page that lags dro
 
 import http
 import json
+import logging
 import secrets
 import socket
-import struct
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-import numpy as np
-
-from toile.dressing.live.page import live_page
-from toile.dressing.live.record import save_play
-from toile.dressing.live.sheet import Sheet
-from toile.dressing.live.wishes import Game
+from toile.dressing.live.played import Played
 from toile.engine.live.live_cloth import STEP
 from toile.geometry.errors import InputError
 
@@ -32,6 +27,12 @@ JOIN = "join"
 """What a page asks for when it comes."""
 STATE_EVERY = 0.25
 """Time between two messages about the state [s]."""
+
+QUIET = logging.getLogger("toile.live")
+"""Browsers open connections that they never use: that is no news."""
+QUIET.setLevel(logging.CRITICAL + 1)
+
+P = TypeVar("P", bound=Played)
 
 
 class Page:
@@ -45,13 +46,13 @@ class Page:
         self.texts: deque[str] = deque(maxlen=50)
 
 
-class LiveServer:
-    """Serves a game at `url` until `stop`.
+class LiveServer(Generic[P]):
+    """Serves what is played at `url` until `stop`.
 
     Raises InputError where the port is in use or the extra `live` is missing.
     """
 
-    def __init__(self, game: Game, port: int = 0, language: str = "en", folder: Path = Path()) -> None:
+    def __init__(self, game: P, port: int = 0, language: str = "en", folder: Path = Path()) -> None:
         try:
             from websockets.sync.server import serve
         except ImportError:
@@ -76,7 +77,7 @@ class LiveServer:
         self.url = f"{own}/{self.token}/"
         self._server = serve(
             self._converse, sock=bound, process_request=self._answer, origins=[own], compression=None,
-            max_size=65536,
+            max_size=65536, logger=QUIET,
         )  # fmt: skip
 
     # Threads.
@@ -90,7 +91,7 @@ class LiveServer:
             self._loop()
         finally:
             self._server.shutdown()
-            self.game.live.close()
+            self.game.close()
 
     def stop(self) -> None:
         """End `run`."""
@@ -123,18 +124,17 @@ class LiveServer:
             if wish.get("do") == "stop":
                 self.stop()
                 continue
-            if wish.get("do") == "save":
-                paths = save_play(self.game, self.folder)
-                page.texts.append(json.dumps({"say": ", ".join(map(str, paths))}))
-                page.wake.set()
-                continue
             if wish.get("do") == JOIN:
                 page.texts += [json.dumps(self._scene()), json.dumps(self._state())]
-                page.frame = self._packed_frame()
+                page.frame = self.game.frame()
                 page.wake.set()
                 continue
             try:
-                if self.game.carry_out(wish):
+                if wish.get("do") == "save":
+                    paths = self.game.save(self.folder)
+                    page.texts.append(json.dumps({"say": ", ".join(map(str, paths))}))
+                    page.wake.set()
+                elif self.game.carry_out(wish):
                     self._tell_all(self._scene())
                     self._offer_frame()
             except InputError as error:
@@ -143,7 +143,7 @@ class LiveServer:
 
     def _offer_frame(self) -> None:
         """Give every page the frame to send next; one that it has not sent yet is dropped."""
-        frame = self._packed_frame()
+        frame = self.game.frame()
         for page in list(self.pages):
             page.frame = frame
             page.wake.set()
@@ -165,7 +165,7 @@ class LiveServer:
             return connection.respond(
                 http.HTTPStatus.NOT_FOUND, "Open the address that toile live printed.\n"
             )
-        response = connection.respond(http.HTTPStatus.OK, live_page(self.language))
+        response = connection.respond(http.HTTPStatus.OK, self.game.page(self.language))
         del response.headers["Content-Type"]
         response.headers["Content-Type"] = "text/html; charset=utf-8"
         response.headers["Cache-Control"] = "no-store"
@@ -217,57 +217,16 @@ class LiveServer:
 
     # What is sent.
 
-    def _packed_frame(self) -> bytes:
-        """Return a frame: step and number of floats for obstacles, those, then positions, float32."""
-        offsets = [part for offset in self.game.offsets().values() for part in offset]
-        frame = self.game.live.frame
-        head = struct.pack("<II", frame.step, len(offsets)) + np.array(offsets, "<f4").tobytes()
-        return head + frame.positions.astype("<f4").tobytes()
-
     def _scene(self) -> dict[str, Any]:
         """Return what a page needs to draw frames."""
-        game, live = self.game, self.game.live
-        cloth, body = live.colours
-        drawn = live.cloth.face_nodes
-        return {
-            "scene": {
-                "cloth": {
-                    "faces": drawn.ravel().tolist(), "count": len(live.frame.positions), "colour": cloth,
-                },
-                "corners": np.round(live.cloth.rest_corners, 6).ravel().tolist(),
-                "obstacles": [
-                    {
-                        "name": name, "colour": body, "faces": game.rest(name)[1].ravel().tolist(),
-                        "positions": np.round(game.rest(name)[0], 5).ravel().tolist(),
-                    }
-                    for name in live.obstacles.names
-                ],
-                "sheet": vars(game.start) if isinstance(game.start, Sheet) else None,
-            }
-        }  # fmt: skip
+        return {"scene": self.game.scene()}
 
     def _state(self) -> dict[str, Any]:
         """Return what the page shows as numbers."""
-        live, game = self.game.live, self.game
-        frame, audits = live.frame, live.audit_process
-        last = None if audits is None or audits.last is None else audits.last
-        return {
-            "state": {
-                "step": frame.step,
-                "seconds": round(frame.seconds, 3),
-                "rate": round(self.steps_per_second, 1),
-                "stretch": round(100.0 * frame.stretch, 2),
-                "contacts": frame.contacts,
-                "held_back": frame.held_back,
-                "crossings": None if last is None else last.body + last.cloth,
-                "audits": 0 if audits is None else audits.audits,
-                "pinned": np.flatnonzero(live.pinned).tolist(),
-                "pages": len(self.pages),
-                "running": game.running,
-                "settings": game.settings,
-                "holds": live.hand.holds,
-            }
-        }
+        mine = {
+            "rate": round(self.steps_per_second, 1), "pages": len(self.pages), "running": self.game.running
+        }  # fmt: skip
+        return {"state": self.game.state() | mine}
 
 
 def _wish(message: str | bytes) -> dict[str, Any]:

@@ -2,12 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from toile.dressing.live.film import FILM_EVERY, LiveFilm
 from toile.dressing.live.live_scene import Live, live
+from toile.dressing.live.page import live_page
+from toile.dressing.live.record import save_play
 from toile.dressing.live.sheet import Sheet
+from toile.dressing.live.shown import PRESSURE, packed_frame, scene_of, state_of
 from toile.dressing.run.scene import Scene
 from toile.geometry.errors import InputError
 
@@ -29,7 +34,11 @@ class Game:
     journal
         Wishes with the steps before which they came.
     settings
-        What the page shows: wind, gusts, gravity, self-contact, floor, fabric.
+        What the page shows: wind, gusts, gravity, friction, self-contact, floor, fabric.
+    shows
+        Values that frames carry: "pressure", or "".
+    film
+        What is recorded, or None.
     """
 
     def __init__(self, start: Sheet | Scene) -> None:
@@ -38,6 +47,8 @@ class Game:
         self.single = 0
         self.journal: list[tuple[int, dict[str, Any]]] = []
         self.ball_moves = False
+        self.shows = ""
+        self.film: LiveFilm | None = None
         self._begin()
 
     def _begin(self) -> None:
@@ -45,8 +56,11 @@ class Game:
         self.live: Live = live(self.start)
         self.settings: dict[str, Any] = {
             "wind": 0.0, "gusts": 0.0, "gravity": 9.81, "self_contact": True, "floor": False,
-            "fabric": self.live.cloth.fabrics[0].name,
+            "fabric": self.live.cloth.fabrics[0].name, "friction": self.live.cloth.fabrics[0].friction_body,
         }  # fmt: skip
+        self._cuts: list[tuple[int, int]] = []
+        if self.film is not None:
+            self.film = LiveFilm(self.live)
         self._rest = {name: surface[0].copy() for name, surface in self._surfaces().items()}
 
     def _surfaces(self) -> dict[str, Any]:
@@ -79,7 +93,11 @@ class Game:
             # A path about where it was put.
             way = np.array([0.12 * np.sin(1.3 * t), 0.04 * np.sin(1.9 * t), 0.12 * np.sin(0.9 * t)])
             self.live.move_obstacle("ball", self._rest["ball"] + way)
-        self.live.advance()
+        while self._cuts and self._cuts[0][0] <= self.live.frame.step:
+            self.live.unpin(np.array([self._cuts.pop(0)[1]]))
+        frame = self.live.advance()
+        if self.film is not None and frame.step % FILM_EVERY == 0:
+            self.film.add(self.live)
 
     def offsets(self) -> dict[str, list[float]]:
         """Return how far obstacles are from where they were put [m]."""
@@ -130,7 +148,31 @@ class Game:
     def change_fabric(self, name: str) -> None:
         """Make the cloth of another fabric."""
         self.live.fabric(name)
-        self.settings["fabric"] = name
+        self.settings |= {"fabric": name, "friction": self.live.cloth.fabrics[0].friction_body}
+
+    def cut(self, seconds: float) -> None:
+        """Let the pins go one after another, the last after so many seconds."""
+        if not 0.0 <= seconds <= 60.0:
+            raise InputError(f"cut: seconds must lie between 0 and 60, got {seconds:g}", field="seconds")
+        pins = np.flatnonzero(self.live.pinned).tolist()
+        now, way = self.live.frame.step, round(60.0 * seconds)
+        self._cuts = [(now + way * (k + 1) // max(len(pins), 1), pin) for k, pin in enumerate(pins)]
+
+    def rub(self, value: float) -> None:
+        """Give cloth this friction on all that it touches."""
+        if not 0.0 <= value <= 2.0:
+            raise InputError(f"friction must lie between 0 and 2, got {value:g}", field="friction")
+        own = self.live.cloth.fabrics[0]
+        self.live.change_fabric(replace(own, friction_body=value, friction_self=value))
+        self.settings["friction"] = value
+
+    def show(self, values: str) -> None:
+        """Let frames carry values: "pressure", or ""."""
+        self.shows = PRESSURE if values == PRESSURE else ""
+
+    def record(self, on: bool) -> None:
+        """Begin a film, or leave it."""
+        self.film = LiveFilm(self.live) if on else None
 
     def change(self, name: str, value: Any) -> None:
         """Change a number of the step."""
@@ -156,7 +198,9 @@ class Game:
 
     def restart(self, wish: Wish) -> bool:
         """Begin anew, with another sheet where the wish says so."""
-        given = {key: wish[key] for key in ("cells", "fabric", "grain", "pins", "object") if key in wish}
+        given = {
+            key: wish[key] for key in ("cells", "side", "fabric", "grain", "pins", "object") if key in wish
+        }
         if given:
             self.start = replace(self.start if isinstance(self.start, Sheet) else Sheet(), **given)
         self.live.close()
@@ -164,6 +208,32 @@ class Game:
         self.running, self._pin = True, None
         self._begin()
         return True
+
+    # What the server asks for.
+
+    def page(self, language: str) -> str:
+        """Return the page, in "en" or "es"."""
+        return live_page(language)
+
+    def scene(self) -> dict[str, Any]:
+        """Return what a page needs to draw frames."""
+        return scene_of(self)
+
+    def frame(self) -> bytes:
+        """Return the state after the last step, as the page takes it."""
+        return packed_frame(self)
+
+    def state(self) -> dict[str, Any]:
+        """Return what the page shows as numbers."""
+        return state_of(self)
+
+    def save(self, folder: Path) -> list[Path]:
+        """Write the shape, the play, and the film if there is one; return the files."""
+        return save_play(self, folder)
+
+    def close(self) -> None:
+        """End the audit's process."""
+        self.live.close()
 
 
 def _pause(game: Game, wish: Wish) -> None:
@@ -187,6 +257,10 @@ ACTS: dict[str, Callable[[Game, Wish], object]] = {
     "wind": lambda game, wish: game.blow(wish),
     "fabric": lambda game, wish: game.change_fabric(str(wish["name"])),
     "gravity": lambda game, wish: game.change("gravity", float(wish["value"])),
+    "friction": lambda game, wish: game.rub(float(wish["value"])),
+    "cut": lambda game, wish: game.cut(float(wish["seconds"])),
+    "show": lambda game, wish: game.show(str(wish["values"])),
+    "record": lambda game, wish: game.record(bool(wish["on"])),
     "self_contact": lambda game, wish: game.change("self_contact", bool(wish["on"])),
     "floor": lambda game, wish: game.lay_floor(bool(wish["on"])),
     "ball_moves": _self_moving,
@@ -197,5 +271,5 @@ ACTS: dict[str, Callable[[Game, Wish], object]] = {
     "step": _step,
 }
 """What a page may ask for."""
-UNTOLD = ("restart", "pause", "step")
+UNTOLD = ("restart", "pause", "step", "show", "record")
 """What a journal leaves out: steps count, not seconds."""

@@ -23,6 +23,7 @@ from toile.engine.live.hand import BEARABLE, SPEED, Hand
 from toile.engine.live.obstacles import Obstacles, Surface
 from toile.engine.live.push import Push
 from toile.engine.step.cloth_run import ClothRun
+from toile.engine.step.contact_loads import presses_of_nodes
 from toile.engine.step.options import StepOptions, StepOutcome
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.errors import InputError
@@ -208,6 +209,19 @@ class LiveCloth(ClothRun):
         if len(free):
             raise InputError(f"node {free[0]} is not pinned; pin it first", field="nodes")
         self._pin_goals[nodes] = places
+
+    def pressure(self) -> Float:
+        """Return the pressure of obstacles and cloth on the nodes now [Pa], shape (n,)."""
+        collisions, x = self.stepper.collisions, self.stepper.x
+        if collisions is None:
+            return np.zeros(len(x))
+        press = presses_of_nodes(collisions.detect(x), len(x))
+        return np.asarray(press / np.maximum(self.cloth.node_area, 1e-12))
+
+    @property
+    def ground(self) -> float | None:
+        """Height of the floor [m], or None."""
+        return self._ground
 
     def blow(self, air: AirFlow | None) -> None:
         """Let air flow from here on; None is a vacuum."""

@@ -50,6 +50,18 @@ def contact_loads(
     return _loads(rubbed(contacts, friction_at_start(contacts, options.slip)), count, len(avatar[0]))
 
 
+def presses_of_nodes(contacts: Contacts, count: int) -> Float:
+    """Return the normal forces on nodes [N], shape (n,): of the avatar, and of cloth on itself."""
+    press = np.zeros(count)
+    for corner in range(4):
+        at = contacts.vertices[:, corner]
+        own = at < count
+        press += np.bincount(at[own], np.abs(contacts.weights[own, corner]) * contacts.push[own], count)[
+            :count
+        ]
+    return press
+
+
 def _loads(contacts: Contacts, count: int, others: int) -> ContactLoads:
     """Add up the contacts with an avatar of `others` vertices at its vertices and at `count` nodes."""
     rows = slice(0, contacts.body)

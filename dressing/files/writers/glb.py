@@ -38,6 +38,10 @@ class GlbMesh:
         Further values of vertices, shape (n,), by their names: attributes such as _PRESSURE_PA.
     vertex_colours
         Linear red, green and blue in 0..1, shape (n, 3), that replace the colour; or None.
+    shapes
+        Shapes of a film, as far as vertices are from `positions` [m], each of shape (n, 3); none of a still.
+    way
+        How far the whole is at the times of a film [m], shape (f, 3), or None.
     """
 
     name: str
@@ -49,6 +53,8 @@ class GlbMesh:
     double_sided: bool = False
     fields: Mapping[str, Float] = field(default_factory=dict)
     vertex_colours: Float | None = None
+    shapes: Sequence[Float] = ()
+    way: Float | None = None
 
 
 class _Buffer:
@@ -59,10 +65,12 @@ class _Buffer:
         self.views: list[dict[str, int]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def add(self, array: npt.NDArray[Any], kind: str, target: int, *, bounds: bool = False) -> int:
+    def add(self, array: npt.NDArray[Any], kind: str, target: int | None, *, bounds: bool = False) -> int:
         """Append an array of 4-byte numbers and return its accessor's index."""
         component = UNSIGNED_INT if array.dtype == np.uint32 else FLOAT
-        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes, "target": target}
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}
+        if target is not None:
+            view["target"] = target
         accessor: dict[str, Any] = {
             "bufferView": len(self.views),
             "componentType": component,
@@ -70,15 +78,16 @@ class _Buffer:
             "type": kind,
         }
         if bounds:
-            accessor |= {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
+            low, high = np.atleast_1d(array.min(axis=0)), np.atleast_1d(array.max(axis=0))
+            accessor |= {"min": low.tolist(), "max": high.tolist()}
         self.data += array.tobytes()
         self.views.append(view)
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
 
-def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
-    """Return a GLB file with one node per mesh."""
+def glb_bytes(meshes: Sequence[GlbMesh], times: Float | None = None) -> bytes:
+    """Return a GLB file with one node per mesh; with the times [s], shape (f,), of their shapes and ways."""
     buffer = _Buffer()
     gltf_meshes = []
     for index, mesh in enumerate(meshes):
@@ -95,9 +104,14 @@ def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
         for name, values in mesh.fields.items():
             attributes[f"_{name.upper()}"] = buffer.add(values.astype("<f4"), "SCALAR", VERTICES)
         indices = buffer.add(mesh.faces.ravel().astype(np.uint32), "SCALAR", INDICES)
-        primitive = {"attributes": attributes, "indices": indices, "material": index}
+        primitive: dict[str, Any] = {"attributes": attributes, "indices": indices, "material": index}
+        if mesh.shapes:
+            primitive["targets"] = [
+                {"POSITION": buffer.add(shape.astype("<f4"), "VEC3", VERTICES, bounds=True)}
+                for shape in mesh.shapes
+            ]
         gltf_meshes.append({"name": mesh.name, "primitives": [primitive]})
-    document = {
+    document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "toile"},
         "scene": 0,
         "scenes": [{"name": "dressed", "nodes": list(range(len(meshes)))}],
@@ -108,6 +122,10 @@ def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
         "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(buffer.data)}],
     }
+    if times is not None:
+        # Adds accessors to the buffer that the document lists.
+        document["animations"] = [_animation(meshes, times, buffer)]
+        document["buffers"] = [{"byteLength": len(buffer.data)}]
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     total = 12 + 8 + len(text) + 8 + len(buffer.data)
@@ -120,6 +138,24 @@ def glb_bytes(meshes: Sequence[GlbMesh]) -> bytes:
             bytes(buffer.data),
         ]
     )
+
+
+def _animation(meshes: Sequence[GlbMesh], times: Float, buffer: _Buffer) -> dict[str, Any]:
+    """Return the animation that shows the shapes one after another, and moves what has a way."""
+    at = buffer.add(times.astype("<f4"), "SCALAR", None, bounds=True)
+    samplers: list[dict[str, Any]] = []
+    channels: list[dict[str, Any]] = []
+    for index, mesh in enumerate(meshes):
+        outputs = {}
+        if mesh.shapes:
+            weights = np.eye(len(times), dtype="<f4").ravel()
+            outputs["weights"] = buffer.add(weights, "SCALAR", None)
+        if mesh.way is not None:
+            outputs["translation"] = buffer.add(mesh.way.astype("<f4"), "VEC3", None)
+        for path, output in outputs.items():
+            channels.append({"sampler": len(samplers), "target": {"node": index, "path": path}})
+            samplers.append({"input": at, "output": output, "interpolation": "LINEAR"})
+    return {"name": "film", "samplers": samplers, "channels": channels}
 
 
 def _material(mesh: GlbMesh) -> dict[str, Any]:

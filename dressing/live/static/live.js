@@ -1,5 +1,7 @@
 "use strict";
 // The page of live cloth: draws frames as they come, and says what is done to the cloth.
+const rgb = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16) / 255);
+
 class LivePage {
   constructor(root) {
     this.root = root;
@@ -7,7 +9,7 @@ class LivePage {
     this.find = (name) => root.querySelector(`[data-view=${name}]`);
     this.control = (name) => root.querySelector(`[data-set=${name}]`);
     Object.assign(this, { tool: "pull", cloth: null, colour: "", state: null, frames: 0, before: null, ended: false, lastStep: 0, pinMarks: new Set() });
-    this.stage = new Stage(this.find("canvas"));
+    this.stage = new Stage(this.find("canvas"), !Stage.drawnByProcessor());
     this.stage.tilt = 0.3;
     this.stage.grab = (x, y) => this.grab(x, y);
     for (const element of root.querySelectorAll("[data-word]")) element.textContent = this.words[element.dataset.word];
@@ -49,24 +51,26 @@ class LivePage {
     stage.meshes.length = 0;
     const faces = Uint32Array.from(scene.cloth.faces), count = scene.cloth.count;
     this.corners = Float32Array.from(scene.corners);
-    this.cloth = stage.add({ name: "cloth", faces, positions: new Float32Array(3 * count), node: Uint32Array.from({ length: count }, (_, k) => k), colour: this.paint() || scene.cloth.colour });
+    this.cloth = stage.add({ name: "cloth", faces, uv: Float32Array.from(scene.cloth.uv), positions: new Float32Array(3 * count), node: Uint32Array.from({ length: count }, (_, k) => k), colour: this.paint() || scene.cloth.colour });
     this.obstacles = scene.obstacles.map((one) => stage.add({ name: one.name, kind: "body", colour: one.colour, faces: Uint32Array.from(one.faces), positions: Float32Array.from(one.positions) }));
     this.pins = stage.add({ name: "pins", kind: "pin", colour: [0.85, 0.25, 0.15], faces: new Uint32Array(0), positions: new Float32Array(0) });
+    if (this.objectPaint) this.paintObjects();
+    this.floor = null;
     this.find("sheet").hidden = !scene.sheet;
-    if (scene.sheet) for (const name of ["cells", "grain", "pins", "object"]) this.set(name, scene.sheet[name]);
+    if (scene.sheet) for (const name of ["cells", "side", "grain", "pins", "object"]) this.set(name, scene.sheet[name]);
     this.fresh = first;
     this.before = null;
   }
 
-  paint() { return this.painted ? [1, 3, 5].map((k) => parseInt(this.painted.slice(k, k + 2), 16) / 255) : null; }
+  paint() { return this.painted ? rgb(this.painted) : null; }
 
   frame(data) {
-    const [step, offsets] = new Uint32Array(data, 0, 2), shifts = new Float32Array(data, 8, offsets);
-    const positions = new Float32Array(data, 8 + 4 * offsets);
+    const [step, offsets, count] = new Uint32Array(data, 0, 3), shifts = new Float32Array(data, 12, offsets);
+    const values = new Float32Array(data, 12 + 4 * offsets, count), positions = new Float32Array(data, 12 + 4 * (offsets + count));
     if (this.cloth && positions.length === this.cloth.positions.length) {
       this.obstacles.forEach((mesh, k) => { mesh.shift = [...shifts.slice(3 * k, 3 * k + 3)]; });
       this.cloth.move(positions);
-      this.coloured(positions, step);
+      this.coloured(positions, step, values);
       this.marks();
       if (this.fresh) { this.fresh = false; this.stage.frame(); this.root.dataset.ready = "yes"; }
       if (this.control("rotate").checked) this.stage.turn += 0.004;
@@ -80,10 +84,19 @@ class LivePage {
     });
   }
 
-  coloured(positions, step) {
+  coloured(positions, step, sent) {
     if (!this.colour) return;
     const { faces } = this.cloth, corners = this.corners;
-    let values, top;
+    let values, top, low = 0, unit = "%";
+    if (this.colour === "pressure") {
+      if (!sent.length) return;
+      // The top of the scale follows the cloth slowly, so that colours do not flicker.
+      const now = Float32Array.from(sent).sort()[Math.floor(0.99 * (sent.length - 1))];
+      this.pressureTop = Math.max(2, this.pressureTop ? 0.9 * this.pressureTop + 0.1 * now : now);
+      top = Number(this.pressureTop.toPrecision(2));
+      unit = "Pa";
+      this.cloth.setValues(sent.map((value) => value / top), false);
+    } else
     if (this.colour === "speed") {
       values = new Float32Array(positions.length / 3);
       top = 2;
@@ -93,12 +106,14 @@ class LivePage {
           values[k] = scale * Math.hypot(positions[3 * k] - old[3 * k], positions[3 * k + 1] - old[3 * k + 1], positions[3 * k + 2] - old[3 * k + 2]);
         }
       }
+      unit = "m/s";
       this.before = { step, positions };
       this.cloth.setValues(values, false);
     } else {
-      // The larger singular value of the map from the pattern, less 1.
+      // Of the map from the pattern: its larger singular value, or its length along the threads, less 1.
       values = new Float32Array(faces.length / 3);
       top = 5;
+      if (this.colour !== "stretch") low = -top;
       for (let t = 0; t < values.length; t++) {
         const [a, b, c] = [3 * faces[3 * t], 3 * faces[3 * t + 1], 3 * faces[3 * t + 2]], r = 6 * t;
         const ux = corners[r + 2] - corners[r], uy = corners[r + 3] - corners[r + 1], vx = corners[r + 4] - corners[r], vy = corners[r + 5] - corners[r + 1];
@@ -109,11 +124,12 @@ class LivePage {
           const along = (vy * p - uy * q) * scale, across = (ux * q - vx * p) * scale;
           e += along * along; f += along * across; g += across * across;
         }
-        values[t] = 100 * (Math.sqrt(0.5 * (e + g) + Math.sqrt(0.25 * (e - g) ** 2 + f * f)) - 1) / top;
+        if (this.colour === "stretch") values[t] = 100 * (Math.sqrt(0.5 * (e + g) + Math.sqrt(0.25 * (e - g) ** 2 + f * f)) - 1) / top;
+        else values[t] = 0.5 + 50 * (Math.sqrt(this.colour === "warp" ? e : g) - 1) / top;
       }
       this.cloth.setValues(values, true);
     }
-    this.find("scale").innerHTML = `<i></i><span>0</span><span>${top} ${this.colour === "speed" ? "m/s" : "%"}</span>`;
+    this.find("scale").innerHTML = `<i></i><span>${low}</span><span>${top} ${unit}</span>`;
   }
 
   marks() {
@@ -132,10 +148,23 @@ class LivePage {
 
   numbers(state) {
     this.state = state;
-    this.find("numbers").innerHTML = this.words.numbers(state);
+    this.find("numbers").innerHTML = this.words.numbers(state) + (state.pages > 1 ? ` · ${this.words.busy(state.pages)}` : "");
+    this.find("fabric").textContent = FABRICS[state.settings.fabric] ? this.words.fabric_numbers(FABRICS[state.settings.fabric]) : "";
+    this.root.querySelector("[data-do=record]").setAttribute("aria-pressed", String(state.recording));
+    this.layFloor(state.floor);
     this.root.querySelector("[data-do=pause]").setAttribute("aria-pressed", String(!state.running));
     for (const [name, value] of Object.entries(state.settings)) if (document.activeElement !== this.control(name)) this.set(name, value);
   }
+
+  layFloor(height) {
+    const wide = 1.5;
+    if (height !== null && !this.floor) {
+      this.floor = this.stage.add({ name: "floor", kind: "body", colour: [0.80, 0.79, 0.76], faces: Uint32Array.of(0, 2, 1, 0, 3, 2), positions: Float32Array.of(-wide, height, -wide, wide, height, -wide, wide, height, wide, -wide, height, wide) });
+    }
+    if (this.floor) this.floor.shown = height !== null;
+  }
+
+  paintObjects() { for (const mesh of this.obstacles) mesh.linear = this.objectPaint.map(toLinear); }
 
   set(name, value) {
     const control = this.control(name);
@@ -208,7 +237,12 @@ class LivePage {
   }
 
   press(name) {
-    if (name === "pause") this.send({ do: "pause", on: this.state.running });
+    if (name === "cut") this.send({ do: "cut", seconds: Number(this.control("cut_seconds").value) });
+    else if (name === "record") {
+      // A film ends by being saved.
+      if (this.state.recording) this.send({ do: "save" });
+      this.send({ do: "record", on: !this.state.recording });
+    } else if (name === "pause") this.send({ do: "pause", on: this.state.running });
     else if (name === "picture") {
       this.stage.drawNow();
       Object.assign(document.createElement("a"), { href: this.stage.canvas.toDataURL("image/png"), download: "live.png" }).click();
@@ -223,14 +257,16 @@ class LivePage {
     const output = control.parentElement.querySelector("output");
     if (output) output.textContent = value;
     if (name === "wires") this.stage.wires = value;
-    else if (name === "colour") { this.colour = value; this.find("scale").hidden = !value; if (!value) this.cloth.setValues(null); }
+    else if (name === "texture") this.stage.checked = value;
+    else if (name === "paint_object") { this.objectPaint = rgb(value); this.paintObjects(); }
+    else if (name === "paint_back") this.stage.canvas.parentElement.style.background = value;
+    else if (name === "colour") { this.send({ do: "show", values: value === "pressure" ? value : "" }); this.colour = value; this.find("scale").hidden = !value; if (!value) this.cloth.setValues(null); }
     else if (name === "paint") { this.painted = value; this.cloth.linear = this.paint().map(toLinear); }
     else if (name === "wind" || name === "gusts") this.send({ do: "wind", speed: Number(this.control("wind").value), gusts: Number(this.control("gusts").value) });
     else if (name === "fabric") this.send({ do: "fabric", name: value });
-    else if (name === "gravity") this.send({ do: "gravity", value: Number(value) });
+    else if (name === "gravity" || name === "friction") this.send({ do: name, value: Number(value) });
     else if (["floor", "self_contact", "ball_moves"].includes(name)) this.send({ do: name, on: value });
-    else if (name === "cells") this.send({ do: "restart", cells: Number(value) });
-    else if (name === "grain") this.send({ do: "restart", grain: Number(value) });
+    else if (["cells", "side", "grain"].includes(name)) this.send({ do: "restart", [name]: Number(value) });
     else if (name === "pins" || name === "object") this.send({ do: "restart", [name]: value });
     this.stage.draw();
   }

@@ -1,17 +1,17 @@
 "use strict";
 // A stage: meshes drawn with WebGL 2, a camera to turn, and the ray that finds what lies under the pointer.
 const STAGE_VERTEX = `#version 300 es
-in vec3 position; in vec3 normal; in float value; in float panel; uniform mat4 camera; uniform vec3 shift;
-out vec3 n; out vec3 p; out float shade; out vec3 bary; flat out float piece; flat out int face;
+in vec3 position; in vec3 normal; in float value; in float panel; in vec2 thread; uniform mat4 camera; uniform vec3 shift;
+out vec3 n; out vec3 p; out float shade; out vec3 bary; out vec2 uv; flat out float piece; flat out int face;
 void main() {
-  p = position + shift; n = normal; shade = value; piece = panel; face = gl_VertexID / 3;
+  p = position + shift; n = normal; uv = thread; shade = value; piece = panel; face = gl_VertexID / 3;
   int corner = gl_VertexID - 3 * face;
   bary = vec3(corner == 0, corner == 1, corner == 2);
   gl_Position = camera * vec4(p, 1.0);
 }`;
 const STAGE_FRAGMENT = `#version 300 es
-precision highp float; in vec3 n; in vec3 p; in float shade; in vec3 bary; flat in float piece; flat in int face;
-uniform vec3 colour, eye; uniform bool wires, mapped; uniform float lit_piece; uniform int lit_face; out vec4 pixel;
+precision highp float; in vec3 n; in vec3 p; in float shade; in vec3 bary; in vec2 uv; flat in float piece; flat in int face;
+uniform vec3 colour, eye; uniform bool wires, mapped, checked; uniform float lit_piece; uniform int lit_face; out vec4 pixel;
 vec3 map(float t) {
   vec3 a = vec3(0.19, 0.33, 0.66), b = vec3(0.93, 0.91, 0.84), c = vec3(0.80, 0.24, 0.17);
   return t < 0.5 ? mix(a, b, 2.0 * t) : mix(b, c, 2.0 * t - 1.0);
@@ -21,6 +21,11 @@ void main() {
   bool wrong = dot(u, v) < 0.0;
   if (wrong) u = -u;
   vec3 base = mapped ? pow(map(clamp(shade, 0.0, 1.0)), vec3(2.2)) : colour;
+  if (checked && !mapped) {
+    // Stripes along warp and weft, 5 cm wide.
+    vec2 s = step(0.5, fract(10.0 * uv));
+    base *= 1.0 - 0.28 * s.x - 0.28 * s.y;
+  }
   vec3 c = wrong && !mapped ? 0.62 * mix(base, vec3(dot(base, vec3(0.333))), 0.25) : base;
   float light = 0.42 + 0.16 * u.y + 0.55 * max(dot(u, normalize(vec3(-0.7, 0.7, 0.6))), 0.0) + 0.2 * max(dot(u, v), 0.0);
   if (mapped) light = 0.55 + 0.45 * max(dot(u, v), 0.0);
@@ -58,6 +63,7 @@ class StageMesh {
     const panel = new Float32Array(this.count);
     for (let k = 0; k < this.count; k++) panel[k] = this.panels ? this.panels[(k / 3) | 0] : -1;
     this.fill("panel", 3, 1, panel);
+    if (this.uv) this.fill("thread", 4, 2, Float32Array.from({ length: 2 * this.count }, (_, k) => this.uv[2 * faces[k >> 1] + (k & 1)]));
     this.setValues(null);
     this.move(positions);
   }
@@ -138,14 +144,20 @@ class StageMesh {
 }
 
 class Stage {
-  constructor(canvas) {
+  // `smooth`: edges without steps, which a processor that draws takes a third longer for.
+  constructor(canvas, smooth = true) {
     this.canvas = canvas;
-    this.gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    this.gl = canvas.getContext("webgl2", { antialias: smooth, preserveDrawingBuffer: smooth });
     this.meshes = [];
-    Object.assign(this, { turn: 0.45, tilt: 0.1, distance: 4, middle: [0, 0.9, 0], size: 1, wires: false });
+    Object.assign(this, { turn: 0.45, tilt: 0.1, distance: 4, middle: [0, 0.9, 0], size: 1, wires: false, checked: false });
     Object.assign(this, { litPiece: -1, litFace: -1, litMesh: null, onDraw: () => {}, grab: null, asked: false, drawn: 0 });
     if (this.gl) this.compile();
     this.listen();
+  }
+
+  static drawnByProcessor() {
+    const gl = document.createElement("canvas").getContext("webgl2"), told = gl && gl.getExtension("WEBGL_debug_renderer_info");
+    return Boolean(told && /swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(told.UNMASKED_RENDERER_WEBGL)));
   }
 
   compile() {
@@ -156,7 +168,7 @@ class Stage {
       gl.compileShader(shader);
       gl.attachShader(program, shader);
     }
-    ["position", "normal", "value", "panel"].forEach((name, slot) => gl.bindAttribLocation(program, slot, name));
+    ["position", "normal", "value", "panel", "thread"].forEach((name, slot) => gl.bindAttribLocation(program, slot, name));
     gl.linkProgram(program);
     this.at = (name) => gl.getUniformLocation(program, name);
   }
@@ -219,6 +231,7 @@ class Stage {
       gl.uniform3fv(at("shift"), mesh.shift);
       gl.uniform1i(at("mapped"), mesh.mapped ? 1 : 0);
       gl.uniform1i(at("wires"), this.wires && mesh.kind !== "body" ? 1 : 0);
+      gl.uniform1i(at("checked"), this.checked && mesh.uv ? 1 : 0);
       gl.uniform1f(at("lit_piece"), mesh === this.litMesh ? this.litPiece : -9);
       gl.uniform1i(at("lit_face"), mesh === this.litMesh ? this.litFace : -1);
       // Cloth that lies a tenth of a millimetre off the skin must not flicker with it.

@@ -16,7 +16,8 @@ import toile
 from tests.dressing.browser import opened_page
 from toile.dressing.cli.main import main
 from toile.dressing.files.gltf.gltf_file import GltfFile
-from toile.dressing.live.record import replayed, save_play
+from toile.dressing.live.record import save_play
+from toile.dressing.live.replay import replayed
 from toile.dressing.live.server import LiveServer
 from toile.dressing.live.wishes import Game
 from toile.geometry.errors import InputError
@@ -25,7 +26,7 @@ SMALL = toile.Sheet(cells=10, side=0.5)
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[LiveServer]:
+def server() -> Iterator[LiveServer[Game]]:
     pytest.importorskip("websockets", reason="websockets is not installed")
     server = LiveServer(Game(SMALL))
     thread = threading.Thread(target=server.run)
@@ -44,7 +45,7 @@ def until(holds: Any, seconds: float = 15.0) -> None:
         time.sleep(0.02)
 
 
-def talk(server: LiveServer) -> Any:
+def talk(server: LiveServer[Game]) -> Any:
     from websockets.sync.client import connect
 
     own = f"http://127.0.0.1:{server.port}"
@@ -102,12 +103,49 @@ def test_a_saved_play_is_played_again_to_the_byte(tmp_path: Path) -> None:
         replayed(play)
 
 
+def test_a_film_is_recorded_and_pins_are_cut_one_after_another(tmp_path: Path) -> None:
+    game = Game(SMALL)
+    game.carry_out({"do": "record", "on": True})
+    game.carry_out({"do": "move", "name": "ball", "offset": [0.0, -0.1, 0.0]})
+    game.carry_out({"do": "cut", "seconds": 0.2})
+    pinned = []
+    for _ in range(16):
+        game.advance()
+        pinned.append(int(game.live.pinned.sum()))
+    assert pinned[:13] == [4, 4, 4, 3, 3, 3, 2, 2, 2, 1, 1, 1, 0]
+    film = GltfFile(save_play(game, tmp_path)[-1])
+    (animation,) = film.content["animations"]
+    assert [one["target"] for one in animation["channels"]] == [
+        {"node": 0, "path": "weights"}, {"node": 1, "path": "translation"}
+    ]  # fmt: skip
+    assert len(film.content["meshes"][0]["primitives"][0]["targets"]) == 5, "every fourth of 16 steps"
+    game.live.close()
+
+
+def test_frames_carry_pressure_where_a_page_asks_for_it() -> None:
+    game = Game(toile.Sheet(cells=10, side=0.5, pins="none"))
+    game.carry_out({"do": "show", "values": "pressure"})
+    game.carry_out({"do": "friction", "value": 0.9})
+    for _ in range(90):
+        game.advance()
+    step, offsets, values = np.frombuffer(game.frame()[:12], "<u4")
+    pressure = np.frombuffer(game.frame()[12:], "<f4")[offsets : offsets + values]
+    assert (step, offsets, values) == (90, 3, 121)
+    cloth = game.live.cloth
+    # What lies on the ball weighs on it; it still moves, and hangs from the middle.
+    weight = 9.81 * float(cloth.mass.sum())
+    assert 0.5 * weight < float(pressure @ cloth.node_area) < 4.0 * weight
+    assert game.live.cloth.fabrics[0].friction_self == 0.9
+    game.live.close()
+
+
 def test_wishes_that_make_no_sense_are_named() -> None:
     game = Game(SMALL)
     for wish, words in (
         ({"do": "fly"}, "nothing called 'fly'"), ({"do": "grip"}, "grip: KeyError"), 
         ({"do": "grip", "node": 9999}, "no node"),
         ({"do": "fabric", "name": "denim"}, "unknown fabric"), 
+        ({"do": "cut", "seconds": -1}, "between 0 and 60"), ({"do": "friction", "value": 9}, "friction"),
         ({"do": "put", "name": "ball", "place": [0, 0.25, 0]}, "cut the cloth"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
@@ -115,7 +153,7 @@ def test_wishes_that_make_no_sense_are_named() -> None:
     assert not game.journal
 
 
-def test_only_the_token_opens_the_page(server: LiveServer) -> None:
+def test_only_the_token_opens_the_page(server: LiveServer[Game]) -> None:
     with urllib.request.urlopen(server.url) as answer:
         assert "text/html" in answer.headers["Content-Type"]
         page = answer.read().decode()
@@ -131,7 +169,7 @@ def test_only_the_token_opens_the_page(server: LiveServer) -> None:
         connect(address, origin="http://elsewhere.example")
 
 
-def test_a_page_that_lags_gets_fewer_frames_and_faults_are_said(server: LiveServer) -> None:
+def test_a_page_that_lags_gets_fewer_frames_and_faults_are_said(server: LiveServer[Game]) -> None:
     with talk(server) as page:
         assert "scene" in json.loads(page.recv(10.0))
         assert "state" in json.loads(page.recv(10.0))
@@ -159,7 +197,7 @@ def test_a_page_that_lags_gets_fewer_frames_and_faults_are_said(server: LiveServ
     assert server.game.live.frame.step <= step + 1, "without a page the cloth waits"
 
 
-def test_the_cloth_is_pulled_pinned_and_paused_in_a_browser(server: LiveServer) -> None:
+def test_the_cloth_is_pulled_pinned_and_paused_in_a_browser(server: LiveServer[Game]) -> None:
     with opened_page(own=f"http://127.0.0.1:{server.port}") as page:
         page.goto(server.url)
         page.wait_for_selector("[data-ready=yes]")
@@ -182,7 +220,32 @@ def test_the_cloth_is_pulled_pinned_and_paused_in_a_browser(server: LiveServer) 
         until(lambda: server.game.settings["wind"] == 5.0)
         page.select_option("[data-set=fabric]", "denim-12oz")
         until(lambda: live.cloth.fabrics[0].name == "denim-12oz")
-        page.click("text=Unpin all")
+        page.locator("[data-set=friction]").fill("0.8")
+        until(lambda: live.cloth.fabrics[0].friction_body == 0.8)
+        page.wait_for_function(
+            "document.querySelector('[data-view=fabric]').textContent.startsWith("
+            f"'{round(1e3 * live.cloth.fabrics[0].areal_density)} g/m²')"
+        )
+        page.check("[data-set=texture]")
+        for colour, unit in (
+            ("stretch", "%"),
+            ("warp", "%"),
+            ("weft", "%"),
+            ("pressure", "Pa"),
+            ("speed", "m/s"),
+        ):
+            page.select_option("[data-set=colour]", colour)
+            page.wait_for_function(
+                f"document.querySelector('[data-view=scale]').textContent.includes('{unit}')"
+            )
+        page.check("[data-set=floor]")
+        until(lambda: live.ground is not None)
+        page.wait_for_function("window.game.floor && window.game.floor.shown")
+        page.click("[data-do=record]")
+        until(lambda: server.game.film is not None)
+        page.locator("[data-set=cut_seconds]").fill("0.5")
+        page.click("text=Cut one by one")
+        until(lambda: not live.pinned.any())
         until(lambda: not live.pinned.any())
         page.locator("[data-view=canvas]").focus()
         page.keyboard.press(" ")
@@ -204,7 +267,7 @@ def test_live_command_names_what_is_wrong(capsys: pytest.CaptureFixture[str]) ->
     assert "cells must be" in capsys.readouterr().err
 
 
-def test_a_port_in_use_is_named(server: LiveServer) -> None:
+def test_a_port_in_use_is_named(server: LiveServer[Game]) -> None:
     with pytest.raises(InputError, match=f"--port {server.port}: cannot listen"):
         LiveServer(server.game, server.port)
 
