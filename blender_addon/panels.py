@@ -146,6 +146,7 @@ class TOILE_PT_scene(_Physics, bpy.types.Panel):
             column.prop(settings, "frame_start")
             column.prop(settings, "frame_end")
         layout.prop(settings, "quality")
+        layout.prop(settings, "threads")
         layout.prop(settings, "use_remesh")
         column = layout.column(align=True)
         column.prop(settings, "size_min")

@@ -158,6 +158,10 @@ class TOILE_PG_scene(bpy.types.PropertyGroup):
             name="Quality", default="standard",
             items=[(name, name.capitalize(), "") for name in ("preview", "standard", "accurate")],
         ),
+        "threads": IntProperty(
+            name="Threads", default=2, min=1, max=64,
+            description="Threads that share the work; the result is the same with any number",
+        ),
         "use_remesh": BoolProperty(
             name="Adaptive Mesh", default=True, description="Fine where cloth folds, coarse where it is flat"
         ),

@@ -11,6 +11,8 @@ from toile.collide.fans import corners_from, fans_stay_apart, lowest
 from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
+from toile.geometry.crew import in_parts, together
+from toile.geometry.crowd import Crowd
 from toile.geometry.kernel import BOOL_1, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel, unsigned
 
 
@@ -138,7 +140,7 @@ def _emit(  # type: ignore[no-untyped-def]
     p, ends, weld, ghost, pairs, faces_a, owned_a, faces_b, owned_b, reach, tests_of, barred, only_shared,
     vertex_face, edge_edge,
 ):  # fmt: skip
-    """Write the candidates of face pairs while they fit; return how many of each kind there are.
+    """Write the candidates of face pairs, 6 and 9 of each at most; return how many of each kind there are.
 
     tests_of: the tests of what two faces own, at 64 times what the first owns plus what the second does.
     barred: the tests that shared corners rule out. Most pairs are neighbours in the mesh and have few tests:
@@ -196,24 +198,24 @@ def _emit(  # type: ignore[no-untyped-def]
             if not _is_candidate(p, ends, kind, i, j, k, m, reach):
                 continue
             if kind == 0:
-                if count_vf < vertex_face.shape[0]:
-                    vertex_face[count_vf, 0] = i
-                    vertex_face[count_vf, 1] = j
-                    vertex_face[count_vf, 2] = k
-                    vertex_face[count_vf, 3] = m
+                vertex_face[count_vf, 0] = i
+                vertex_face[count_vf, 1] = j
+                vertex_face[count_vf, 2] = k
+                vertex_face[count_vf, 3] = m
                 count_vf += 1
             else:
-                if count_ee < edge_edge.shape[0]:
-                    edge_edge[count_ee, 0] = i
-                    edge_edge[count_ee, 1] = j
-                    edge_edge[count_ee, 2] = k
-                    edge_edge[count_ee, 3] = m
+                edge_edge[count_ee, 0] = i
+                edge_edge[count_ee, 1] = j
+                edge_edge[count_ee, 2] = k
+                edge_edge[count_ee, 3] = m
                 count_ee += 1
     return count_vf, count_ee
 
 
 MOST_CANDIDATES = 16_000_000
 """Candidates of a kind at most: 256 MB."""
+PAIRS_PER_PART = 2048
+"""Pairs of faces that one thread tests at a time."""
 
 
 class Vertices(NamedTuple):
@@ -270,14 +272,21 @@ def find_candidates(vertices: Vertices, a: Hierarchy, b: Hierarchy | None) -> tu
     else:
         pairs = bvh.overlapping_pairs(a.tree, a.boxes, b.tree, b.boxes)
     one, other = a.surface, b.surface
-    capacity = min(4 * len(pairs) + 64, MOST_CANDIDATES)
-    while True:
-        vertex_face = np.empty((capacity, 4), np.int32)
-        edge_edge = np.empty((capacity, 4), np.int32)
+    crowd = Crowd(MOST_CANDIDATES)
+
+    def emit(first: int, last: int) -> tuple[Int, Int]:
+        """Return the candidates of some of the pairs of faces."""
+        vertex_face = np.empty((6 * (last - first), 4), np.int32)
+        edge_edge = np.empty((9 * (last - first), 4), np.int32)
         found = _emit(
-            vertices.positions, vertices.ends, vertices.weld, vertices.ghost, pairs, one.faces, one.owned,
-            other.faces, other.owned, vertices.reach, TESTS_OF, BARRED, ONLY_SHARED, vertex_face, edge_edge,
+            vertices.positions, vertices.ends, vertices.weld, vertices.ghost, pairs[first:last], one.faces,
+            one.owned, other.faces, other.owned, vertices.reach, TESTS_OF, BARRED, ONLY_SHARED, vertex_face,
+            edge_edge,
         )  # fmt: skip
-        if max(found) <= capacity:
-            return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()
-        capacity = bvh.not_crowded(max(found), MOST_CANDIDATES)
+        crowd.add(max(found))
+        return vertex_face[: found[0]].copy(), edge_edge[: found[1]].copy()
+
+    parts = in_parts(emit, len(pairs), PAIRS_PER_PART)
+    vertex_face, edge_edge = (together([part[kind] for part in parts], 4) for kind in (0, 1))
+    crowd.check(max(len(vertex_face), len(edge_edge)))
+    return vertex_face, edge_edge

@@ -16,6 +16,7 @@ from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
 from toile.geometry.arrays import Float, Int
+from toile.geometry.crew import in_parts
 from toile.geometry.kernel import (
     F64_1,
     F64_2,
@@ -34,6 +35,8 @@ KEPT_SHARE = 0.2
 FLOOR = 2e-5
 """Distance [m] below which a pair comes no closer."""
 MAX_SWEEPS = 60
+PAIRS_PER_PART = 8192
+"""Pairs for which one thread finds planes at a time."""
 UNKNOWN = np.empty(0)
 
 
@@ -218,11 +221,9 @@ def safe_factors(
     for kind, pairs, distances in ((0, vertex_face, known[0]), (1, edge_edge, known[1])):
         if len(pairs) == 0:
             continue
-        active = np.empty(len(pairs), np.int32)
-        plane = np.empty((len(pairs), 10))
-        count = _planes(p, move, reach, pairs, kind, distances, active, plane)
-        if count:
-            sets.append((pairs, kind, active[:count], plane[:count], count))
+        active, plane = _watched(p, move, reach, pairs, kind, distances)
+        if len(active):
+            sets.append((pairs, kind, active, plane, len(active)))
     last_cut = np.full(len(p), -1, np.int32)
     for sweep in range(MAX_SWEEPS + 1):
         final = sweep == MAX_SWEEPS
@@ -232,3 +233,17 @@ def safe_factors(
         if unsafe == 0:
             break
     return factor
+
+
+def _watched(p: Float, move: Float, reach: Float, pairs: Int, kind: int, known: Float) -> tuple[Int, Float]:
+    """Return rows of pairs that the motion could bring together, shape (c,), and their planes, (c, 10)."""
+
+    def watch(first: int, last: int) -> tuple[Int, Float]:
+        active, plane = np.empty(last - first, np.int32), np.empty((last - first, 10))
+        count = _planes(p, move, reach, pairs[first:last], kind, known[first:last], active, plane)
+        return active[:count] + np.int32(first), plane[:count]
+
+    parts = in_parts(watch, len(pairs), PAIRS_PER_PART)
+    if len(parts) == 1:
+        return parts[0]
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])

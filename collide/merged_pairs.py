@@ -7,7 +7,16 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.kernel import BOOL_1, I32_2, OUT_BOOL_1, kernel, unsigned
+from toile.geometry.kernel import (
+    BOOL_1,
+    F64_1,
+    I32_2,
+    OUT_BOOL_1,
+    OUT_F64_1,
+    OUT_I32_2,
+    kernel,
+    unsigned,
+)
 
 BITS = 15
 """Of a vertex number, four of which go into one of 64 bits, its sign left alone."""
@@ -47,15 +56,34 @@ def replaced(marked: Bool, known: Measured, found: tuple[Int, Int]) -> Measured:
 
 def _merged(marked: Bool, known: Measured, found: Sequence[Int]) -> Measured:
     """Return known pairs without a marked vertex, and found ones, with what distances are known."""
-    kept = [~with_marked(marked, rows) for rows in known.pairs]
-    pairs = [
-        np.concatenate([old[keep], new]) for old, keep, new in zip(known.pairs, kept, found, strict=True)
-    ]
-    distances = [
-        np.concatenate([old[keep], np.full(len(new), np.nan)])
-        for old, keep, new in zip(known.distances, kept, found, strict=True)
-    ]
-    return Measured((pairs[0], pairs[1]), (distances[0], distances[1]))
+    (vertex_face, of_faces), (edge_edge, of_edges) = (
+        _with_new(marked, *old, new) for old, new in zip(zip(*known, strict=True), found, strict=True)
+    )
+    return Measured((vertex_face, edge_edge), (of_faces, of_edges))
+
+
+def _with_new(marked: Bool, known: Int, distances: Float, new: Int) -> tuple[Int, Float]:
+    """Return known pairs of one kind without a marked vertex, then new ones; and their distances."""
+    most = len(known) + len(new)
+    pairs, apart = np.empty((most, 4), np.int32), np.empty(most)
+    count = _without_marked(marked, known, distances, pairs, apart)
+    pairs[count : count + len(new)] = new
+    apart[count : count + len(new)] = np.nan
+    return pairs[: count + len(new)], apart[: count + len(new)]
+
+
+@kernel(types.int64(BOOL_1, I32_2, F64_1, OUT_I32_2, OUT_F64_1))
+def _without_marked(marked: Bool, known: Int, distances: Float, pairs: Int, apart: Float) -> int:
+    """Write pairs without a marked vertex, and their distances; return how many there are."""
+    count = 0
+    for row in range(known.shape[0]):
+        i, j, k, m = known[row, 0], known[row, 1], known[row, 2], known[row, 3]
+        if marked[unsigned(i)] | marked[unsigned(j)] | marked[unsigned(k)] | marked[unsigned(m)]:
+            continue
+        pairs[count, 0], pairs[count, 1], pairs[count, 2], pairs[count, 3] = i, j, k, m
+        apart[count] = distances[row]
+        count += 1
+    return count
 
 
 def with_marked(marked: Bool, rows: Int) -> Bool:

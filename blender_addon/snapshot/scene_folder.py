@@ -160,7 +160,7 @@ def _scene_toml(
 ) -> str:
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
-    lines = [f'quality = "{settings.quality}"']
+    lines = [f'quality = "{settings.quality}"', f"threads = {settings.threads}"]
     lines += weather.lines
     if settings.size_min > 0.0:
         lines.append(f"edge_length = {scale * settings.size_min:.6f}")

@@ -9,10 +9,13 @@ from toile.collide.crossings.cells import CELLS, Cells, overlapping
 from toile.collide.crossings.meeting import meet_beyond_corner, triangles_meet
 from toile.collide.crossings.orientation import ROOM
 from toile.geometry.arrays import Float, Int
+from toile.geometry.crew import in_parts, together
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
 
 PAIRS = 4096
 """Pairs for which there is room at first."""
+FACES_PER_PART = 1024
+"""Faces that one thread compares with others at a time."""
 
 
 @helper
@@ -43,12 +46,17 @@ def _meet_within(p, faces, weld, i, j, t, parts):  # type: ignore[no-untyped-def
     return meet_beyond_corner(t, parts) if common == 1 else triangles_meet(t, parts)
 
 
-@kernel(types.int64(F64_2, I32_2, I32_1, *CELLS, OUT_I32_2))
-def _within(p, faces, weld, box, first, start, face, shape, grid, pairs):  # type: ignore[no-untyped-def]
-    """Write pairs of faces of a surface that meet, while they fit; return how many there are."""
+@kernel(types.int64(F64_2, I32_2, I32_1, *CELLS, types.int64, types.int64, OUT_I32_2))
+def _within(  # type: ignore[no-untyped-def]
+    p, faces, weld, box, first, start, face, shape, grid, begin, end, pairs
+):
+    """Write pairs of faces of a surface that meet, while they fit; return how many there are.
+
+    The first face of a pair is one from `begin` to `end`.
+    """
     t, parts, rows = np.empty((6, 3)), np.empty(ROOM), np.empty(box.shape[0], np.int32)
     found = 0
-    for i in range(box.shape[0]):
+    for i in range(begin, end):
         count = overlapping(box[i], box, first, start, face, shape, grid, rows)
         for k in range(count):
             j = rows[k]
@@ -59,15 +67,20 @@ def _within(p, faces, weld, box, first, start, face, shape, grid, pairs):  # typ
     return found
 
 
-@kernel(types.int64(F64_2, I32_2, *CELLS, F64_2, I32_2, OUT_I32_2))
-def _between(p, faces, box, first, start, face, shape, grid, q, others, pairs):  # type: ignore[no-untyped-def]
-    """Write pairs (face, other face) that meet, while they fit; return how many there are."""
+@kernel(types.int64(F64_2, I32_2, *CELLS, F64_2, I32_2, types.int64, types.int64, OUT_I32_2))
+def _between(  # type: ignore[no-untyped-def]
+    p, faces, box, first, start, face, shape, grid, q, others, begin, end, pairs
+):
+    """Write pairs (face, other face) that meet, while they fit; return how many there are.
+
+    The other faces are those from `begin` to `end`.
+    """
     t, parts, rows = np.empty((6, 3)), np.empty(ROOM), np.empty(box.shape[0], np.int32)
     query, all_low, all_high = np.empty(6), np.empty(3), np.empty(3)
     for x in range(3):
         all_low[x], all_high[x] = box[:, x].min(), box[:, x + 3].max()
     found = 0
-    for other in range(others.shape[0]):
+    for other in range(begin, end):
         a, b, c = others[other, 0], others[other, 1], others[other, 2]
         is_near = True
         for x in range(3):
@@ -87,14 +100,18 @@ def _between(p, faces, box, first, start, face, shape, grid, q, others, pairs): 
     return found
 
 
-def _all_of(write: Callable[[Int], int]) -> Int:
-    """Return all pairs that a kernel writes while they fit, in order, shape (k, 2)."""
-    pairs = np.empty((PAIRS, 2), np.int32)
-    found = write(pairs)
-    if found > PAIRS:
-        pairs = np.empty((found, 2), np.int32)
-        write(pairs)
-    pairs = pairs[:found]
+def _all_of(write: Callable[[int, int, Int], int], faces: int) -> Int:
+    """Return all pairs that a kernel writes of so many faces while they fit, in order, shape (k, 2)."""
+
+    def find(first: int, last: int) -> Int:
+        pairs = np.empty((PAIRS, 2), np.int32)
+        found = write(first, last, pairs)
+        if found > PAIRS:
+            pairs = np.empty((found, 2), np.int32)
+            write(first, last, pairs)
+        return pairs[:found]
+
+    pairs = together(in_parts(find, faces, FACES_PER_PART), 2)
     return np.ascontiguousarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
 
 
@@ -113,7 +130,9 @@ def pairs_within(positions: Float, faces: Int, weld: Int, cells: Cells) -> Int:
 
     Faces with one corner in common count if they meet beyond it, faces with an edge in common never.
     """
-    return _all_of(lambda pairs: _within(positions, faces, weld, *cells, pairs))
+    return _all_of(
+        lambda first, last, pairs: _within(positions, faces, weld, *cells, first, last, pairs), len(faces)
+    )
 
 
 def pairs_between(positions: Float, faces: Int, cells: Cells, others: Float, other_faces: Int) -> Int:
@@ -126,4 +145,9 @@ def pairs_between(positions: Float, faces: Int, cells: Cells, others: Float, oth
     others, other_faces
         The other surface [m], shapes (m, 3) and (s, 3).
     """
-    return _all_of(lambda pairs: _between(positions, faces, *cells, others, other_faces, pairs))
+    return _all_of(
+        lambda first, last, pairs: _between(
+            positions, faces, *cells, others, other_faces, first, last, pairs
+        ),
+        len(other_faces),
+    )

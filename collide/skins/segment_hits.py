@@ -9,8 +9,12 @@ from numba import types
 
 from toile.collide import bvh
 from toile.geometry.arrays import Float, Int
+from toile.geometry.crew import in_parts, together
 from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
+
+SEGMENTS_PER_PART = 1024
+"""Segments that one thread follows at a time."""
 
 
 @helper
@@ -93,10 +97,20 @@ class SegmentHits:
         """Segments from start to end [m], shapes (s, 3), and the faces that they cross, pairs (k, 2)."""
         tree, way = self._tree, np.ascontiguousarray(end - start)
         start = np.ascontiguousarray(start)
-        capacity = 4 * len(start) + 64
-        while True:
-            pairs = np.empty((capacity, 2), np.int32)
-            found = _hits(start, way, self._vertices, self._faces, tree.order, tree.child, tree.box, pairs)
-            if found <= capacity:
-                return pairs[:found]
-            capacity = found
+
+        def find(first: int, last: int) -> Int:
+            some = slice(first, last)
+            capacity = 4 * (last - first) + 64
+            while True:
+                pairs = np.empty((capacity, 2), np.int32)
+                found = _hits(
+                    start[some], way[some], self._vertices, self._faces, tree.order, tree.child, tree.box,
+                    pairs,
+                )  # fmt: skip
+                if found <= capacity:
+                    pairs = pairs[:found]
+                    pairs[:, 0] += first
+                    return pairs
+                capacity = found
+
+        return together(in_parts(find, len(start), SEGMENTS_PER_PART), 2)

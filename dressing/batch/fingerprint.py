@@ -56,7 +56,8 @@ class Fingerprints:
             yield np.ascontiguousarray(value).tobytes()
         elif is_dataclass(value):
             yield type(value).__name__.encode()
-            for entry in fields(value):
+            # What scenes are not compared by, such as threads, does not change their results.
+            for entry in (entry for entry in fields(value) if entry.compare):
                 yield entry.name.encode()
                 yield from self._parts(getattr(value, entry.name), inputs)
         elif isinstance(value, Mapping):

@@ -61,6 +61,7 @@ def add_batch(commands: "Commands[Parser]") -> None:
     batch.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
     batch.add_argument("--max-frames", type=int, metavar="N", help="frames after which a drape stops")
     batch.add_argument("--workers", type=int, metavar="N", help="jobs at a time (default: one per core)")
+    batch.add_argument("--threads", type=int, metavar="N", help="threads that share each job (default: 1)")
     batch.add_argument("--job-timeout", type=float, metavar="S", help="wall time that a job may take [s]")
     batch.add_argument("--job-memory", type=float, metavar="GB", help="memory that a job may take [GB]")
     batch.add_argument("--retry", choices=("failed",), help="run failed jobs again")
@@ -129,7 +130,9 @@ def _run_batch(options: argparse.Namespace) -> int:
 def _jobs_of(options: argparse.Namespace) -> "JobsFile | JobGrid":
     """Return the jobs that the options mean."""
     given = {
-        name: value for name in ("quality", "max_frames") if (value := getattr(options, name)) is not None
+        name: value
+        for name in ("quality", "max_frames", "threads")
+        if (value := getattr(options, name)) is not None
     }
     if options.jobs is not None:
         if options.avatars or options.garments or options.fabrics:

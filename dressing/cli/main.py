@@ -178,28 +178,23 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         help="a solid beside BODY, such as furniture, in its units and axes; repeat for more",
     )  # fmt: skip
     dress.add_argument(
-        "--garment",
-        action="append",
-        default=[],
-        metavar="FILE|NAME",
+        "--garment", action="append", default=[], metavar="FILE|NAME",
         help="GarmentCode .json, DXF or FreeSewing .svg pattern, "
         "mesh (.obj .ply .glb .vtu .vtk .xdmf .inp .msh) or built-in name; repeat "
         "from the body outwards",
-    )
+    )  # fmt: skip
     add_pattern_options(dress)
     dress.add_argument("--fabric", metavar="NAME", help="fabric preset (see: toile fabrics)")
     dress.add_argument("--quality", metavar="WORD", help="preview, standard (default) or accurate")
     dress.add_argument("--edge-length", type=float, metavar="M", help="edge length of the triangles [m]")
     dress.add_argument(
-        "--remesh",
-        action=argparse.BooleanOptionalAction,
+        "--remesh", action=argparse.BooleanOptionalAction,
         help="adapt the mesh to the folds (default), or keep it as it is",
-    )
+    )  # fmt: skip
     dress.add_argument(
-        "--ground",
-        action=argparse.BooleanOptionalAction,
+        "--ground", action=argparse.BooleanOptionalAction,
         help="a floor under the feet of a body that stands (default), or none",
-    )
+    )  # fmt: skip
     dress.add_argument(
         "--wind", type=float, nargs=3, metavar=("X", "Y", "Z"),
         help="wind [m/s], Y up, on garments that follow a moving BODY; 0 0 0 is still air",
@@ -223,6 +218,10 @@ def _add_dress(commands: "Commands[Parser]") -> None:
     dress.add_argument(
         "--certificate", action="store_true", default=None,
         help="write certificate.json, by which toile verify checks the result again",
+    )  # fmt: skip
+    dress.add_argument(
+        "--threads", type=int, metavar="N",
+        help="threads that share the work, with the same result (default: 2 where there are two cores)",
     )  # fmt: skip
     dress.add_argument("--max-frames", type=int, metavar="N", help="stop after N frames")
     dress.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -263,6 +262,7 @@ def _run_dress(options: argparse.Namespace) -> int:
     from toile.dressing.run.dress import dress, resume
     from toile.dressing.run.interrupt import CancelOnInterrupt
     from toile.dressing.run.progress import ProgressPrinter
+    from toile.geometry.crew import threads_for_one
 
     if (options.output is None) == (options.resume is None):
         raise InputError(
@@ -279,7 +279,12 @@ def _run_dress(options: argparse.Namespace) -> int:
             return not interrupt.requested
 
         try:
-            result = resume(folder, on_frame, say) if scene is None else dress(scene, folder, on_frame, say)
+            if scene is None:
+                result = resume(
+                    folder, on_frame, say, threads_for_one() if options.threads is None else options.threads
+                )
+            else:
+                result = dress(scene, folder, on_frame, say)
         finally:
             printer.close()
     report = result.report

@@ -19,6 +19,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
     from toile.dressing.run.air import Air
     from toile.dressing.run.scene import AvatarFile, Garment, Scene
     from toile.dressing.run.scene_file import load_scene
+    from toile.geometry.crew import threads_for_one
 
     given = {
         name: value
@@ -32,6 +33,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
             "formats",
             "ground",
             "certificate",
+            "threads",
         )
         if (value := getattr(options, name)) is not None
     }
@@ -62,13 +64,16 @@ def scene_of(options: argparse.Namespace) -> "Scene":
         if not garments:
             raise InputError("nothing to dress: give --garment FILE|NAME or a scene file", field="--garment")
         air = None if wind is None else Air(velocity=wind)
-        return Scene(garments=garments, air=air, obstacles=obstacles, **given)
+        return Scene(
+            garments=garments, air=air, obstacles=obstacles, **{"threads": threads_for_one(), **given}
+        )
     if options.scene.suffix.lower() != ".toml":
         raise InputError(
             f"{options.scene}: a scene file ends in .toml; garments are given with --garment",
             file=options.scene,
         )
     scene = load_scene(options.scene)
+    given.setdefault("threads", scene.threads or threads_for_one())
     if "fabric" in given:
         given["garments"] = tuple(replace(garment, fabric=None) for garment in scene.garments)
     if garments:

@@ -17,7 +17,9 @@ from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, file_stem, save_report, save_shapes
 from toile.dressing.run.scene import OFF, Scene
+from toile.geometry.crew import MOST_THREADS, crew_of
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import whole
 from toile.geometry.stage_clock import now, together
 
 if TYPE_CHECKING:
@@ -67,20 +69,24 @@ def dress(
     folder = None if output is None else writable_folder(output)
     resolved = resolve(scene)
     listener = Listener(progress, say, record)
-    with one_run(folder), listener.heeding_interrupts():
+    with one_run(folder), listener.heeding_interrupts(), crew_of(scene.threads or 1):
         return _from_the_start(resolved, folder, listener)
 
 
-def resume(output: str | Path, progress: Progress | None = None, say: Say | None = None) -> Result:
+def resume(
+    output: str | Path, progress: Progress | None = None, say: Say | None = None, threads: int = 1
+) -> Result:
     """Resume an interrupted run from its last frame, with the result it would have had.
 
-    Parameters and result are those of `dress`. Raises InputError if the folder holds no interrupted run.
+    Parameters and result are those of `dress` and of a scene. Raises InputError if the folder
+    holds no interrupted run.
     """
     folder = Path(output)
     if not folder.is_dir():
         raise InputError(f"{folder}: there is no run to resume; there is no such folder", file=folder)
+    threads = whole(threads, "threads", 1, MOST_THREADS)
     listener = Listener(progress, say)
-    with one_run(writable_folder(folder)), listener.heeding_interrupts():
+    with one_run(writable_folder(folder)), listener.heeding_interrupts(), crew_of(threads):
         return _resumed(folder, listener)
 
 

@@ -38,6 +38,7 @@ from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.crew import MOST_THREADS
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
@@ -293,6 +294,8 @@ class Scene:
         Solids beside the body; whether there is a floor under its feet, or the height of a floor [m].
     fit, certificate
         "maps" or "checked" (with error bars) writes how garments fit; True writes certificate.json.
+    threads
+        How many threads share the work; None is one. The result is the same with any number.
     """
 
     garments: Sequence[Garment]
@@ -313,6 +316,7 @@ class Scene:
     fit: str = "off"
     certificate: bool = False
     obstacles: Sequence[Obstacle] = ()
+    threads: int | None = field(default=None, compare=False)
 
     if TYPE_CHECKING:
 
@@ -326,7 +330,7 @@ class Scene:
             gravity: SupportsFloat = 9.81, friction: SupportsFloat | None = None, certificate: bool = False,
             friction_between: Mapping[tuple[str, str], SupportsFloat] = ..., air: Air | None = None,
             formats: str | Sequence[str] = (), ground: bool | SupportsFloat = True,
-            obstacles: Sequence[Obstacle | str | Path | Avatar] = (),
+            obstacles: Sequence[Obstacle | str | Path | Avatar] = (), threads: SupportsIndex | None = None,
         ) -> None: ...  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -351,8 +355,9 @@ class Scene:
         for name, low, high, unit in NUMBERS:
             if getattr(self, name) is not None:
                 _set(self, **{name: real(getattr(self, name), name, low, high, unit)})
-        if self.max_frames is not None:
-            _set(self, max_frames=whole(self.max_frames, "max_frames", 1, 1_000_000))
+        for count, most in (("max_frames", 1_000_000), ("threads", MOST_THREADS)):
+            if getattr(self, count) is not None:
+                _set(self, **{count: whole(getattr(self, count), count, 1, most)})
         _set(self, remesh=given_remesh(self.remesh), ground=given_ground(self.ground))
         _set(self, obstacles=given_obstacles(self.obstacles))
         if not isinstance(self.air, Air | None):

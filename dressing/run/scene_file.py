@@ -62,6 +62,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
         "formats": (list, "formats in addition to PLY and OBJ: vtu, vtk, xdmf, msh, inp; of films: glb, mdd"),
         "fit": (str, "maps: write how garments fit; checked: with error bars, by a second mesh"),
         "certificate": (bool, "true: write certificate.json, which toile verify checks"),
+        "threads": (int, "threads that share the work; the result is the same with any number"),
         "default_fabric": (str, "fabric of garments that name none, default cotton-poplin"),
         "avatar": (dict, "table: the body (default: the built-in mannequin)"),
         "garment": (list, "tables: one [[garment]] each, from the body outwards"),
@@ -126,6 +127,7 @@ SCENE_KEYS: dict[str, dict[str, tuple[Any, str]]] = {
 """Table name to key to (accepted types, meaning)."""
 PLAIN_KEYS = (
     "quality", "edge_length", "max_frames", "gravity", "ground", "friction", "formats", "fit", "certificate",
+    "threads",
 )  # fmt: skip
 """Keys of the top level that a Scene takes as they are."""
 FILE_KEYS = ("units", "up", "front", "only", "without", "fps", "time", "clip", "lead_in", "pose")
@@ -177,10 +179,9 @@ class _SceneReader:
         own = {name: self._fabric(name, values) for name, values in data.get("fabric", {}).items()}
         if not data.get("garment"):
             raise InputError(
-                f"{self.path}: the scene has no [[garment]] table; add one with a source",
-                file=self.path,
+                f"{self.path}: the scene has no [[garment]] table; add one with a source", file=self.path,
                 field="garment",
-            )
+            )  # fmt: skip
         garments = tuple(
             self._garment(values, ("garment", index), own) for index, values in enumerate(data["garment"])
         )
@@ -208,11 +209,8 @@ class _SceneReader:
                 or len(entry) != 3
                 or not isinstance(entry[2], NUMBER)
             ):
-                raise self._error(
-                    ("friction_between",),
-                    f'friction_between: each entry is two fabrics (or a fabric and "body") and a number, '
-                    f"got {entry!r}",
-                )
+                needed = 'each entry is two fabrics (or a fabric and "body") and a number'
+                raise self._error(("friction_between",), f"friction_between: {needed}, got {entry!r}")
             pairs[entry[0], entry[1]] = entry[2]
         return pairs
 

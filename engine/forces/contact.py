@@ -20,10 +20,12 @@ import numpy as np
 from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
+from toile.engine.forces.near_pairs import near_pairs, radius_of
 from toile.geometry.arrays import Bool, Float, Int
 from toile.geometry.kernel import (
     F64_1,
     F64_2,
+    I32_1,
     I32_2,
     OUT_F64_1,
     OUT_F64_2,
@@ -169,40 +171,29 @@ def _slides_past(p, ahead, kind, i, j, k, m, x, y, z, gap, four):  # type: ignor
 
 @kernel(
     types.int64(
-        F64_2, F64_2, types.int64, I32_2, types.int64, F64_1, F64_1, types.float64, types.float64, F64_2,
-        types.boolean, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
-        OUT_F64_1, OUT_I32_2, OUT_F64_1, OUT_F64_1,
+        F64_2, F64_2, types.int64, I32_2, I32_1, types.int64, F64_1, F64_1, types.float64, types.float64,
+        F64_2, types.boolean, types.int64, OUT_I32_2, OUT_F64_2, OUT_F64_2, OUT_F64_1, OUT_F64_1, OUT_F64_2,
+        OUT_F64_1, OUT_I32_2, OUT_F64_1,
     )
 )  # fmt: skip
 def _evaluate(  # type: ignore[no-untyped-def]
-    p, p_start, cloth_nodes, pairs, kind, radius, area, kappa, radius_share, ahead, halves, begin,
-    nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy, distance,
+    p, p_start, cloth_nodes, pairs, rows, kind, radius, area, kappa, radius_share, ahead, halves, begin,
+    nodes, weights, normal, push_of, hard_of, slid_of, gap, vertices, energy,
 ):  # fmt: skip
-    """Append the active pairs of one list from row `begin`; return the new row count.
-
-    distance: of all pairs of the list, written.
-    """
+    """Append the active ones among rows of one list from row `begin`; return the new row count."""
     count = begin
     w = np.empty(4, np.float64)
     four = np.empty((4, 3), np.float64)
-    for row in range(pairs.shape[0]):
+    for number in range(rows.shape[0]):
+        row = unsigned(rows[number])
         i = unsigned(pairs[row, 0])
         j = unsigned(pairs[row, 1])
         k = unsigned(pairs[row, 2])
         m = unsigned(pairs[row, 3])
-        r = radius[i]
-        other = min(radius[k], radius[m])
-        if kind == 0:
-            other = min(other, radius[j])
-        else:
-            r = min(r, radius[j])
-        r = radius_share * (0.5 * (r + other) if halves else min(r, other))
+        r = radius_of(radius, kind, i, j, k, m, radius_share, halves)
         w[0], w[1], w[2], w[3] = pair_weights(p, kind, i, j, k, m)
         x, y, z = weighted_sum(p, i, j, k, m, w[0], w[1], w[2], w[3])
         d = length(x, y, z)
-        distance[row] = d
-        if d <= 0.0 or (d >= r and ahead.shape[0] == 0):
-            continue
         nx = x / d
         ny = y / d
         nz = z / d
@@ -344,23 +335,32 @@ def evaluate_contacts(
         already. Without it only pairs within the radius are. That of avatar vertices is certain: gap and slip
         count as after it.
     """
-    capacity = sum(len(pairs) for meeting in (body, cloth) for pairs in meeting.pairs)
+    of_body, of_cloth = ((np.empty(len(a)), np.empty(len(b))) for a, b in (body.pairs, cloth.pairs))
+    near = [
+        near_pairs(
+            p, pairs, kind, meeting.radius, meeting.law.edge_share if kind else 1.0, ahead, halves,
+            distances[kind],
+        )
+        for meeting, halves, distances in ((body, False, of_body), (cloth, True, of_cloth))
+        for kind, pairs in enumerate(meeting.pairs)
+    ]  # fmt: skip
+    capacity = sum(map(len, near))
     nodes, vertices = np.empty((capacity, 4), np.int32), np.empty((capacity, 4), np.int32)
     weights, normal, slid = np.empty((capacity, 4)), np.empty((capacity, 3)), np.empty((capacity, 3))
     push, hard, gap = (np.empty(capacity) for _ in range(3))
     energy = np.zeros(1)
-    of_body, of_cloth = ((np.empty(len(a)), np.empty(len(b))) for a, b in (body.pairs, cloth.pairs))
     count = 0
     touching_body = 0
     for meeting in (body, cloth):
         pairs_of, radius, law = meeting
         for kind in (0, 1):
-            if len(pairs_of[kind]):
+            rows = near[2 * (meeting is cloth) + kind]
+            if len(rows):
                 share = law.edge_share if kind else 1.0
                 count = _evaluate(
-                    p, p_start, cloth_nodes, pairs_of[kind], kind, radius, area, law.stiffness, share, ahead,
-                    meeting is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices, energy,
-                    (of_body if meeting is body else of_cloth)[kind],
+                    p, p_start, cloth_nodes, pairs_of[kind], rows, kind, radius, area, law.stiffness, share,
+                    ahead, meeting is cloth, count, nodes, weights, normal, push, hard, slid, gap, vertices,
+                    energy,
                 )  # fmt: skip
         if meeting is body:
             touching_body = count

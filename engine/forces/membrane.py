@@ -21,6 +21,7 @@ from toile.engine.forces.force import ElementForce
 from toile.engine.solve.assembly import scatter_gradients
 from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
+from toile.geometry.crew import in_parts
 from toile.geometry.kernel import (
     F64_2,
     F64_3,
@@ -33,6 +34,9 @@ from toile.geometry.kernel import (
     kernel,
     packed_kernel,
 )
+
+FACES_PER_PART = 1024
+"""Faces that one thread evaluates at a time."""
 
 
 @helper
@@ -244,7 +248,15 @@ class Membrane(ElementForce):
 
     def evaluate(self, x: Float) -> None:
         """Fill the element arrays at node positions x [m], shape (n, 3)."""
-        _evaluate(self.faces, self.shape, x, self.element_energy, self.element_gradient, self.element_hessian)
+
+        def fill(first: int, last: int) -> None:
+            some = slice(first, last)
+            _evaluate(
+                self.faces[some], self.shape[some], x, self.element_energy[some],
+                self.element_gradient[some], self.element_hessian[some],
+            )  # fmt: skip
+
+        in_parts(fill, len(self.faces), FACES_PER_PART)
 
     def add_gradient(self, x: Float, gradient: Float) -> None:
         """Add the derivative of the energy [N] to an array of shape (n, 3)."""

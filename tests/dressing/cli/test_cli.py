@@ -218,7 +218,7 @@ def test_ctrl_c_keeps_the_result(tmp_path: Path, body: Path, shirt: Path, fake_d
         (("--garment", "tshirt", "--avatar", "body.xyz"), ".xyz"),
         (("--garment", "tshirt", "--units", "cm"), "--units"),
         (("--colour", "red"), "unrecognized arguments"),
-        (("--garment", "tshirt", "--threads", "2"), "unrecognized arguments: --threads"),
+        (("--garment", "tshirt", "--threads", "0"), "threads must lie between 1 and"),
         (("scene.txt",), "ends in .toml"),
         (("missing.toml",), "no such scene file"),
     ],

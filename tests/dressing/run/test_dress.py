@@ -124,5 +124,5 @@ def test_bad_scenes(options: dict[str, Any], message: str, fake_drape: Callable[
     assert not fake.calls
     with pytest.raises(toile.InputError, match="no garment"):
         toile.Scene(garments=[])
-    with pytest.raises(TypeError, match="'threads'"):
-        scene(threads=2)
+    with pytest.raises(toile.InputError, match="threads must lie between 1 and"):
+        scene(threads=0)

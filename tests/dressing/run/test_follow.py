@@ -88,7 +88,7 @@ def test_usd_has_a_sample_per_frame_of_body_and_garment(whole: Path) -> None:
 def test_a_broken_off_run_goes_on_to_the_same_bytes(
     scene: Scene, whole: Path, tmp_path: Path, last: int
 ) -> None:
-    """Also one that was stopped after its last frame, before it wrote its end."""
+    """Also one that was stopped after its last frame, before it wrote its end; with any number of threads."""
     started = False
 
     def stop(state: ProgressState) -> bool:
@@ -96,11 +96,11 @@ def test_a_broken_off_run_goes_on_to_the_same_bytes(
         started = started or (state.max_frames == FRAMES - 1 and state.frame == 0)
         return not (started and state.frame == last)
 
-    broken = dress(scene, tmp_path, stop)
+    broken = dress(replace(scene, threads=3), tmp_path, stop)
     assert broken.status == "cancelled" and len(frames(tmp_path)) == 2 * (last + 1)
     (tmp_path / "dressed.glb").unlink()
     said: list[str] = []
-    result = resume(tmp_path, say=said.append)
+    result = resume(tmp_path, say=said.append, threads=2)
     assert result.status in ("converged", "frame_limit")
     assert any(f"resuming after frame {last}" in line for line in said)
     assert frames(tmp_path) == frames(whole)

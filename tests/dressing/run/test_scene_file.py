@@ -98,7 +98,7 @@ GARMENT = '[[garment]]\nsource = "tshirt"\n'
         (GARMENT + "[fabric.a]\nshear = 4\n", "line 3: fabric 'a' lacks areal_density, "),
         (GARMENT + 'self_contact = "no"\n', "line 3: self_contact must be true or false, got 'no'"),
         ("max_frames = true\n" + GARMENT, "line 1: max_frames must be a whole number"),
-        ("threads = 2\n" + GARMENT, "line 1: unknown key 'threads'"),
+        ("threads = 0\n" + GARMENT, "line 1: threads must lie between 1 and"),
         ('fabric = "canvas"\n' + GARMENT, "line 1: .*default_fabric = 'canvas'"),
         ('friction_between = [["denim", 0.5]]\n' + GARMENT, "line 1: friction_between: each entry is two"),
         (

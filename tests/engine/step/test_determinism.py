@@ -1,12 +1,12 @@
-"""The same scene gives the same bytes, run after run and whatever number of threads libraries use."""
+"""The same scene gives the same bytes, run after run, whatever number of threads it and its libraries use."""
 
 import os
 import subprocess
 import sys
 
 CODE = """
-import hashlib, toile
-scene = toile.Scene(garments=["tshirt"], edge_length=0.03, max_frames=9)
+import hashlib, sys, toile
+scene = toile.Scene(garments=["tshirt"], edge_length=0.03, max_frames=9, threads=int(sys.argv[1]))
 result = toile.dress(scene)
 digest = hashlib.sha256()
 for garment in result.garments:
@@ -22,7 +22,7 @@ def drape(threads: str) -> str:
         f"{name}_NUM_THREADS": threads for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")
     }
     done = subprocess.run(
-        [sys.executable, "-c", CODE], env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", CODE, threads], env=environment, capture_output=True, text=True, check=True
     )
     return done.stdout
 
