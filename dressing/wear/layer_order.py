@@ -53,8 +53,8 @@ def flared_outside(mesh: GarmentMesh, unit: float = 1.0) -> tuple[GarmentMesh, t
             positions[hanging, 2] += side * wanted
             moved[flared] = moved.get(flared, 0.0) + float(wanted)
     notes = tuple(
-        f"garment {mesh.name}: panel {mesh.panel_names[panel]} starts {100.0 * unit * distance:.0f} cm farther "
-        "out, outside the panel it hangs from"
+        f"garment {mesh.name}: panel {mesh.panel_names[panel]} starts {100.0 * unit * distance:.0f} cm "
+        "farther out, outside the panel it hangs from"
         for panel, distance in moved.items()
     )
     return (replace(mesh, positions=positions), notes) if moved else (mesh, ())

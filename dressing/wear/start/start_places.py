@@ -1,7 +1,8 @@
 """Where the panels of garments start: lifted, hung, rolled, and clear of the body and of each other.
 
 How far panels are lifted, moved and looked around is a matter of lengths that suit a grown person. A much
-smaller body, a baby or a doll, is enlarged to that size with its garments, and the start is made smaller again.
+smaller body, a baby or a doll, is enlarged to that size with its garments, and where they start is made
+smaller again.
 """
 
 from dataclasses import replace
