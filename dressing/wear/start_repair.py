@@ -68,7 +68,8 @@ def clear_panels(
                 mesh, name = names[index]
                 raise InputError(
                     f"garment {mesh.name}: panel {name} cuts the body or another panel and cannot be "
-                    f"moved clear within {FARTHEST * unit:.2g} m; move its translation in the pattern farther out",
+                    f"moved clear within {FARTHEST * unit:.2g} m; move its translation in the pattern "
+                    "farther out",
                     field=f"pattern.panels.{name}.translation",
                     garment=mesh.name,
                 )
