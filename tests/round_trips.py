@@ -1,8 +1,8 @@
 """Run the round trips of bodies through other programs and count them: python -m tests.round_trips.
 
-Prints a table of writers with the combinations of format, option and feature that came back as they were, that
-did not, and that were left out for want of a program. TOILE_GLTF_TOOLS and TOILE_BPY name the folders of
-gltf-transform and gltfpack, and of bpy. Exits with 1 if something did not come back or fewer than FEWEST did.
+Prints a table of writers with the combinations of format, option and feature that came back as they were,
+that did not, and that were left out for want of a program. TOILE_GLTF_TOOLS and TOILE_BPY name the folders of
+gltf-transform and gltfpack, and of bpy. Exits with 1 if any did not come back, or fewer than FEWEST did.
 """
 
 import sys
