@@ -19,9 +19,9 @@ WRITERS = {
     "trimesh_writes": "trimesh",
     "meshio_writes": "meshio",
     "gltf_of_every_feature": "glTF by hand",
+    "compression_is_named": "compressed glTF, refused by name",
     "gltf_transform": "gltf-transform",
     "gltfpack": "gltfpack",
-    "compression_is_named": "compressed glTF, refused by name",
     "blender_writes": "Blender",
 }
 """What a test's name holds, and the writer in the table."""
