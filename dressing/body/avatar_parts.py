@@ -218,13 +218,15 @@ def _members(piece: Int) -> list[npt.NDArray[np.int64]]:
 def _without_copies(surface: Surface, kept: Bool, notes: list[str]) -> Bool:
     """Leave out patches all of whose faces lie on faces before them: the other side, or a second copy."""
     rows = np.flatnonzero(kept)
-    corners = np.sort(_rounded_places(surface.positions)[surface.faces[rows]], axis=1)
+    if not len(rows):
+        return kept
+    used, local = np.unique(surface.faces[rows], return_inverse=True)
+    local, count = local.reshape(-1, 3), len(used)
+    corners = np.sort(_rounded_places(surface.positions[used])[local], axis=1)
     _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     copy = first[inverse.reshape(-1)] != np.arange(len(rows))
     if not copy.any():
         return kept
-    local = np.unique(surface.faces[rows], return_inverse=True)[1].reshape(-1, 3)
-    count = int(local.max()) + 1
     patch = connected_vertices(local, count)[local[:, 0]]
     whole = np.bincount(patch, weights=~copy, minlength=count) == 0
     out = whole[patch]
