@@ -10,10 +10,11 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.connected import connected_vertices
+from toile.geometry.connected import connected, connected_vertices
 from toile.geometry.errors import InputError
 
 NO_BODY = re.compile(
@@ -29,6 +30,8 @@ LARGE = 0.1
 to the skin, are judged where it is closed."""
 SLAB = 0.05
 """A floor is thinner than this share of its width, and lies below this share of the body's height."""
+ROUNDED = 1e-6
+"""Second copies of faces lie within this share of the size of the whole: text files round their digits."""
 NAMED = 6
 """Names that a note lists at most."""
 
@@ -189,6 +192,16 @@ def _places(positions: Float) -> npt.NDArray[np.int64]:
     return np.unique(positions + 0.0, axis=0, return_inverse=True)[1].reshape(-1)
 
 
+def _rounded_places(positions: Float) -> Int:
+    """Return the same number for vertices and their nearest ones within rounding, shape (n,)."""
+    points, place = np.unique(positions + 0.0, axis=0, return_inverse=True)
+    reach = ROUNDED * float(np.ptp(points, axis=0).max())
+    nearest = np.asarray(cKDTree(points).query(points, k=2, distance_upper_bound=reach)[1])
+    # Where no other is near, the second nearest has no number.
+    pairs = nearest[nearest[:, 1] < len(points)]
+    return connected(pairs, len(points))[place.reshape(-1)]
+
+
 def _pieces(positions: Float, faces: Int) -> Int:
     """Return the connected part of every face, shape (f,); vertices at the same place are one."""
     used, local = np.unique(faces, return_inverse=True)
@@ -205,13 +218,15 @@ def _members(piece: Int) -> list[npt.NDArray[np.int64]]:
 def _without_copies(surface: Surface, kept: Bool, notes: list[str]) -> Bool:
     """Leave out patches all of whose faces lie on faces before them: the other side, or a second copy."""
     rows = np.flatnonzero(kept)
-    corners = np.sort(_places(surface.positions)[surface.faces[rows]], axis=1)
+    if not len(rows):
+        return kept
+    used, local = np.unique(surface.faces[rows], return_inverse=True)
+    local, count = local.reshape(-1, 3), len(used)
+    corners = np.sort(_rounded_places(surface.positions[used])[local], axis=1)
     _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     copy = first[inverse.reshape(-1)] != np.arange(len(rows))
     if not copy.any():
         return kept
-    local = np.unique(surface.faces[rows], return_inverse=True)[1].reshape(-1, 3)
-    count = int(local.max()) + 1
     patch = connected_vertices(local, count)[local[:, 0]]
     whole = np.bincount(patch, weights=~copy, minlength=count) == 0
     out = whole[patch]

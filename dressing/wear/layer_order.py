@@ -21,8 +21,11 @@ BEYOND = 0.02
 """How far outside the upper panel the flared one starts [m]."""
 
 
-def flared_outside(mesh: GarmentMesh) -> tuple[GarmentMesh, tuple[str, ...]]:
-    """Move flared panels that lie behind the panel they hang from outside it; say which and how far."""
+def flared_outside(mesh: GarmentMesh, unit: float = 1.0) -> tuple[GarmentMesh, tuple[str, ...]]:
+    """Move flared panels that lie behind the panel they hang from outside it; say which and how far.
+
+    `unit` is how many metres a unit of length is.
+    """
     if not mesh.flat or not len(mesh.stitches):
         return mesh, ()
     owner = np.zeros(len(mesh.positions), np.int32)
@@ -50,8 +53,8 @@ def flared_outside(mesh: GarmentMesh) -> tuple[GarmentMesh, tuple[str, ...]]:
             positions[hanging, 2] += side * wanted
             moved[flared] = moved.get(flared, 0.0) + float(wanted)
     notes = tuple(
-        f"garment {mesh.name}: panel {mesh.panel_names[panel]} starts {100.0 * distance:.0f} cm farther out, "
-        "outside the panel it hangs from"
+        f"garment {mesh.name}: panel {mesh.panel_names[panel]} starts {100.0 * unit * distance:.0f} cm "
+        "farther out, outside the panel it hangs from"
         for panel, distance in moved.items()
     )
     return (replace(mesh, positions=positions), notes) if moved else (mesh, ())

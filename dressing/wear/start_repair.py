@@ -32,11 +32,11 @@ SHOULDER_REACH = 0.25
 
 
 def clear_panels(
-    meshes: list[GarmentMesh], avatar: tuple[Float, Int] | None
+    meshes: list[GarmentMesh], avatar: tuple[Float, Int] | None, unit: float = 1.0
 ) -> tuple[list[GarmentMesh], tuple[str, ...]]:
     """Shift panels of flat garments until none cuts the avatar or another panel of any garment.
 
-    Returns the garments and one sentence per panel that moved.
+    Returns the garments and one sentence per panel that moved; `unit` is how many metres a unit of length is.
 
     Raises
     ------
@@ -68,7 +68,8 @@ def clear_panels(
                 mesh, name = names[index]
                 raise InputError(
                     f"garment {mesh.name}: panel {name} cuts the body or another panel and cannot be "
-                    f"moved clear within {FARTHEST:g} m; move its translation in the pattern farther out",
+                    f"moved clear within {FARTHEST * unit:.2g} m; move its translation in the pattern "
+                    "farther out",
                     field=f"pattern.panels.{name}.translation",
                     garment=mesh.name,
                 )
@@ -89,7 +90,7 @@ def clear_panels(
     distance = np.linalg.norm(pieces.shift, axis=1)
     notes = tuple(
         f"garment {names[index][0].name}: panel {names[index][1]} cut the body or another panel and starts "
-        f"{distance[index] * 100:.0f} cm farther out"
+        f"{distance[index] * unit * 100:.0f} cm farther out"
         for index in np.flatnonzero(distance > 0.0)
     )
     owner = np.zeros(len(positions), np.int32)
@@ -103,9 +104,11 @@ def clear_panels(
 
 
 def lift_over_shoulders(
-    mesh: GarmentMesh, avatar: tuple[Float, Int] | None, shoulder: float = -np.inf
+    mesh: GarmentMesh, avatar: tuple[Float, Int] | None, shoulder: float = -np.inf, unit: float = 1.0
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
     """Lift a garment where that frees enough seam that runs through the avatar; say how far.
+
+    `unit` is how many metres a unit of length is.
 
     Every stretch of seam that is freed is worth a lift of WORTH times its length. Seams more than
     SHOULDER_REACH below the height of the shoulders [m] give no reason to lift, but may be a reason not to.
@@ -133,7 +136,9 @@ def lift_over_shoulders(
     if best == 0.0:
         return mesh, ()
     best += LIFT_CLEARANCE
-    note = f"garment {mesh.name} starts {best * 100:.0f} cm higher so that its seams close over the body"
+    note = (
+        f"garment {mesh.name} starts {best * unit * 100:.0f} cm higher so that its seams close over the body"
+    )
     return replace(mesh, positions=mesh.positions + np.array([0.0, best, 0.0])), (note,)
 
 

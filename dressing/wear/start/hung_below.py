@@ -21,12 +21,13 @@ LEAST = 0.005
 """Shifts below this are left out [m]."""
 
 
-def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[str, ...]]:
+def hung_below(mesh: GarmentMesh, shoulder: float, unit: float = 1.0) -> tuple[GarmentMesh, tuple[str, ...]]:
     """Move the tiers of a garment that reaches the shoulders, at a height [m], to those they hang from.
 
     Pieces of a tier that hang together move as one, seen from the front, by the mean distance of the seams
     that join them to the tier above. Flared pieces stay, whose edge lies straight only when it is sewn, and
-    all stays where a piece has no front or no back. Returns one sentence for each piece that moved as well.
+    all stays where a piece has no front or no back. Returns one sentence for each piece that moved as well;
+    `unit` is how many metres a unit of length is.
     """
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
@@ -62,8 +63,8 @@ def hung_below(mesh: GarmentMesh, shoulder: float) -> tuple[GarmentMesh, tuple[s
             positions[own[owner]] += shift
             names = ", ".join(np.array(mesh.panel_names)[own])
             notes.append(
-                f"garment {mesh.name}: {names} start {100.0 * np.linalg.norm(shift):.0f} cm nearer to what "
-                "they hang from"
+                f"garment {mesh.name}: {names} start {100.0 * unit * np.linalg.norm(shift):.0f} cm nearer to "
+                "what they hang from"
             )
         done |= tier
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())

@@ -43,12 +43,12 @@ class Ring:
 
 
 def rolled_rings(
-    mesh: GarmentMesh, avatar: tuple[Float, Int], shoulder: float
+    mesh: GarmentMesh, avatar: tuple[Float, Int], shoulder: float, unit: float = 1.0
 ) -> tuple[GarmentMesh, tuple[str, ...]]:
     """Roll the rings of a garment around a body, vertices (v, 3) [m] and faces, shoulders at a height [m].
 
     A ring starts as narrow as its panels allow and the body is clear of it; it stays flat where it never is.
-    Returns the garment and one sentence for each ring.
+    Returns the garment and one sentence for each ring; `unit` is how many metres a unit of length is.
     """
     if not mesh.flat or not len(mesh.stitches) or not np.isfinite(shoulder):
         return mesh, ()
@@ -80,7 +80,7 @@ def rolled_rings(
         names = ", ".join(np.array(mesh.panel_names)[ring.panels])
         notes.append(
             f"garment {mesh.name}: {names} start rolled around the body, "
-            f"{100.0 * factor * ring.radius:.0f} cm from its middle"
+            f"{100.0 * unit * factor * ring.radius:.0f} cm from its middle"
         )
     return (replace(mesh, positions=positions), tuple(notes)) if notes else (mesh, ())
 

@@ -18,7 +18,8 @@ from toile.dressing.wear.start.hung_below import ROOM, hung_below
 from toile.dressing.wear.start.raised_arms import STAGES, raised_arms
 from toile.dressing.wear.start.rings import facing_of, owner_of, rolled, rolled_rings
 from toile.dressing.wear.start.sleeve_tubes import FAR, off_opening, rolled_sleeves
-from toile.geometry.arrays import Float
+from toile.dressing.wear.start.start_places import size_of, start_places
+from toile.geometry.arrays import Float, Int
 
 
 @pytest.fixture(scope="module")
@@ -173,3 +174,41 @@ def test_arms_are_raised_for_sleeves_that_a_skirt_covers(
     assert lengths(raised, raised.positions) == pytest.approx(lengths(raised, lowered)), (
         "sleeves turn rigidly"
     )
+
+
+def shrunken_start(
+    shirt: GarmentMesh, body: Avatar, measured: Measurements, scale: float
+) -> tuple[Float, Int, list[str]]:
+    """Where the shirt starts on everything made smaller, its stitches, and what is said."""
+    small = replace(shirt, positions=scale * shirt.positions, uv=scale * shirt.uv)
+    x, y, z = measured.shoulder_point
+    smaller = replace(
+        measured, height=scale * measured.height, chest=scale * measured.chest,
+        shoulder_point=(scale * x, scale * y, scale * z),
+    )  # fmt: skip
+    surface = scale * body.vertices, body.faces
+    (start,), said = start_places([small], surface, surface, smaller, measured.arm_angle)
+    assert np.array_equal(start.uv, small.uv)
+    return start.positions, start.stitches, said
+
+
+def test_a_baby_and_a_doll_start_like_a_person(
+    shirt: GarmentMesh, body: Avatar, measured: Measurements
+) -> None:
+    """Steps of a centimetre move a shirt of a baby past its shoulders, and sleeves are not found."""
+    baby, stitches, said = shrunken_start(shirt, body, measured, 0.35)
+    doll, _, said_of_doll = shrunken_start(shirt, body, measured, 0.07)
+    assert np.abs(baby / 0.35 - doll / 0.07).max() < 1e-9
+    assert sum("start rolled around" in sentence for sentence in said) == 3
+    assert len(said_of_doll) == len(said)
+    centimetres = next(int(s.split(" cm from")[0].split()[-1]) for s in said if "around the body" in s)
+    assert 0.03 < centimetres / 100.0 < 0.35 * 0.3, "said in centimetres of the baby"
+    gap = np.linalg.norm(baby[stitches[:, 0]] - baby[stitches[:, 1]], axis=1)
+    assert gap.max() < 0.35 * 0.45, "as far apart as on a person, made smaller"
+
+
+def test_half_a_dress_form_is_not_small(measured: Measurements) -> None:
+    assert size_of(replace(measured, height=0.6)) == 1.0
+    assert size_of(replace(measured, height=1.15, chest=0.6)) == 1.0, "a child"
+    assert size_of(replace(measured, height=0.6, chest=0.36)) == pytest.approx(0.4)
+    assert size_of(None) == 1.0
