@@ -32,6 +32,7 @@ from toile.dressing.cli.scene_of_options import scene_of
 from toile.dressing.cli.validate import add_validate
 from toile.dressing.cli.verify import add_verify
 from toile.dressing.cli.view import add_view
+from toile.geometry.cache_folder import cache_root
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def command_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="toile",
         description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
-        epilog=EXAMPLES,
+        epilog=f"{EXAMPLES}\n\ncompiled kernels are kept in {cache_root()} (TOILE_CACHE_DIR)",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")

@@ -36,6 +36,7 @@ from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import real, shown, truth, whole
 from toile.remesh.sizing.sizing import SizingOptions
@@ -137,8 +138,8 @@ AvatarSource = Avatar | AvatarFile | MannequinSize
 """A body, or where one comes from."""
 
 
-@dataclass(frozen=True)
-class Garment:
+@dataclass(frozen=True, eq=False)
+class Garment(ByValue):
     """One garment of a scene.
 
     Attributes
@@ -255,8 +256,8 @@ GarmentLike = str | Path | GarmentMesh | Pattern | Mapping[str, Any]
 """What a garment may be made from."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scene:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene(ByValue):
     """Everything a drape needs to know; nothing is read or built before `toile.dress(scene)`.
 
     Attributes

@@ -12,6 +12,7 @@ from toile.dressing.garment.fields.patch import Patch
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
+from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError
 
 OF_FABRIC = tuple(entry.name for entry in fields(Fabric) if entry.name != "name")
@@ -63,8 +64,8 @@ class Textured:
 FieldValue = float | Keyed | Painted | Textured
 
 
-@dataclass(frozen=True, kw_only=True)
-class Field:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Field(ByValue):
     """Values on a part of a garment that differ from its fabric's; of several, the last one counts.
 
     Attributes
@@ -120,8 +121,8 @@ class Field:
             raise InputError("field: give a run with a width or a polygon, not both", field="polygon")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Elastic:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Elastic(ByValue):
     """Elastic sewn along edges.
 
     Attributes
@@ -169,8 +170,8 @@ class Filling:
             _check_range("gas: volume", self.volume, 1e-6, 100.0, "volume", " m3")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Hold:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Hold(ByValue):
     """Nodes held in a film where they are at its start, for a time.
 
     Attributes
