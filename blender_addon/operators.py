@@ -16,6 +16,7 @@ from toile.blender_addon.result import made_real, note_missing, our_modifier, re
 from toile.blender_addon.run import Current, Run, Steps, cancel_current
 from toile.blender_addon.snapshot.cast import roles
 
+ROLES = ("NONE", "AVATAR", "GARMENT", "OBSTACLE")
 SHOWN_IN = {"PROPERTIES", "VIEW_3D"}
 """Editors that show progress."""
 
@@ -193,12 +194,10 @@ class TOILE_OT_cancel(bpy.types.Operator):
 
 
 class TOILE_OT_set_role(bpy.types.Operator):
-    """Make the active object an avatar or a garment, or neither."""
+    """Make the active object an avatar, a garment or an obstacle, or none of them."""
 
     bl_idname, bl_label, bl_options = "toile.set_role", "Set Role", {"REGISTER", "UNDO"}
-    __annotations__ = {
-        "role": EnumProperty(items=[(word, word.capitalize(), "") for word in ("NONE", "AVATAR", "GARMENT")])
-    }
+    __annotations__ = {"role": EnumProperty(items=[(word, word.capitalize(), "") for word in ROLES])}
 
     @classmethod
     def poll(cls, context: Any) -> bool:

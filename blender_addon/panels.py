@@ -24,6 +24,7 @@ def draw_add(self: Any, context: Any) -> None:
         return
     row.operator("toile.set_role", text="Toile Garment", icon="MATCLOTH").role = "GARMENT"
     row.operator("toile.set_role", text="Toile Avatar", icon="OUTLINER_OB_ARMATURE").role = "AVATAR"
+    row.operator("toile.set_role", text="Toile Obstacle", icon="MESH_CUBE").role = "OBSTACLE"
 
 
 def draw_run(layout: Any, context: Any) -> None:
@@ -63,6 +64,10 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
         if obj.toile.role == "GARMENT":
             layout.prop(obj.toile, "layer")
             layout.prop(obj.toile, "keep_topology")
+        if obj.toile.role == "OBSTACLE":
+            layout.prop(obj.toile, "use_friction")
+            if obj.toile.use_friction:
+                layout.prop(obj.toile, "friction")
         draw_run(layout.column(), context)
         if obj.toile.state:
             layout.label(text=f"Frames: {obj.toile.state}")

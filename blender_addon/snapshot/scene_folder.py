@@ -15,6 +15,7 @@ from toile.blender_addon.properties import NOT_DRAFTED, OWN_VALUES
 from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
 from toile.blender_addon.snapshot.cast import Cast
 from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
+from toile.blender_addon.snapshot.obstacle_snapshot import ObstacleSnapshot
 from toile.blender_addon.snapshot.space import Space, metres_per_unit
 from toile.blender_addon.snapshot.wind import Weather
 from toile.dressing.files.writers.npz_motion import MotionWriter
@@ -46,6 +47,7 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
     if films:
         frames = list(range(settings.frame_start, settings.frame_end + 1))
     seen: list[GarmentSnapshot] = []
+    solids: list[ObstacleSnapshot] = []
     fps = scene.render.fps / scene.render.fps_base
     before = scene.frame_current, scene.frame_subframe
     body: AvatarSnapshot | None = None
@@ -60,14 +62,21 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
                     space = Space.upright(scene) if pattern is not None else Space.falling(scene)
                     weather = Weather(scene, space, films=films)
                     body = AvatarSnapshot(cast.avatars, scene, space)
-                    for _ in body.read(depsgraph):
-                        yield "reading the avatar"
+                    solids += [
+                        ObstacleSnapshot(part, number, scene, space, folder, len(frames))
+                        for number, part in enumerate(cast.obstacles)
+                    ]
+                    for solid in (body, *solids):
+                        for _ in solid.read(depsgraph):
+                            yield f"reading {solid.name}"
                     for obj, stem in zip(garments, stems(garments), strict=True):
                         seen.append(GarmentSnapshot(obj, stem, space, folder, len(frames)))
                         for _ in seen[-1].read(context.evaluated_depsgraph_get()):
                             yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
+                for solid in solids:
+                    solid.note(depsgraph)
                 weather.see(scene)
                 if films and frame == frames[0]:
                     _check_drafts(context, body, vertices, [garment.obj for garment in seen])
@@ -89,16 +98,15 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
         garment.write(fps)
         yield f"reading {garment.obj.name}"
     text = _scene_toml(scene, weather, films, seen, pattern)
+    text += "".join(f"{line}\n" for solid in solids for line in solid.write(fps))
     (folder / "scene.toml").write_text(text, encoding="utf-8")
+    parts = [body, *solids] if body is not None else []
     job = {
-        "first_frame": frames[0],
-        "sequence": films,
-        "turn": space.turn.tolist(),
-        "notes": weather.notes(),
+        "first_frame": frames[0], "sequence": films, "turn": space.turn.tolist(), "notes": weather.notes(),
         "avatars": [part.obj.name for part in cast.avatars],
-        "thickened": [] if body is None else body.thickened,
+        "thickened": [name for part in parts for name in part.thickened],
         "garments": [_entry(garment, text) for garment in seen],
-    }
+    }  # fmt: skip
     (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
 
 
