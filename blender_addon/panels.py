@@ -79,6 +79,9 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
             row = layout.row(align=True)
             row.operator("toile.apply")
             row.operator("toile.clear")
+            row = layout.row(align=True)
+            row.operator_menu_enum("toile.show_fit", "shown", icon="COLOR")
+            row.operator("toile.add_nodes", icon="GEOMETRY_NODES")
 
 
 class TOILE_PT_fabric(_Physics, bpy.types.Panel):
@@ -151,6 +154,7 @@ class TOILE_PT_scene(_Physics, bpy.types.Panel):
             column.prop(settings, "frame_start")
             column.prop(settings, "frame_end")
         layout.prop(settings, "quality")
+        layout.prop(settings, "use_fit")
         layout.prop(settings, "use_remesh")
         column = layout.column(align=True)
         column.prop(settings, "size_min")

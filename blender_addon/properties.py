@@ -166,6 +166,10 @@ class TOILE_PG_scene(bpy.types.PropertyGroup):
             name="Quality", default="standard",
             items=[(name, name.capitalize(), "") for name in ("preview", "standard", "accurate")],
         ),
+        "use_fit": BoolProperty(
+            name="Fit Maps",
+            description="Attributes of stretch in all frames; of pressure, tension and gap in the last one",
+        ),
         "use_remesh": BoolProperty(
             name="Adaptive Mesh", default=True, description="Fine where cloth folds, coarse where it is flat"
         ),

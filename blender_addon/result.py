@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from toile.blender_addon.attribute_nodes import is_nodes, put_back, remove_nodes
+from toile.blender_addon.fit_nodes import hide_fit
 from toile.blender_addon.frame_folders import MARK, relative, remove_orphans, replaced, shown_folder
 from toile.blender_addon.problem import Problem
 
@@ -15,6 +16,8 @@ NAME = "toile"
 PRIM = "/garment"
 GONE = "missing on disk: dress it again"
 """State of a garment whose frames somebody removed."""
+SELECTION = {"POINT": ".select_vert", "EDGE": ".select_edge", "FACE": ".select_poly"}
+"""Attributes in which Blender keeps what is selected."""
 REFINING = {
     "SUBSURF", "MULTIRES", "SOLIDIFY", "BEVEL", "NODES", "SMOOTH", "CORRECTIVE_SMOOTH", "WEIGHTED_NORMAL"
 }  # fmt: skip
@@ -61,6 +64,7 @@ def remove_modifier(obj: Any) -> Path | None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
         remove_nodes(obj)
+        hide_fit(obj)
         remove_orphans()
     return folder
 
@@ -103,13 +107,19 @@ def select_faces(obj: Any, faces: tuple[int, ...]) -> None:
     chosen = np.zeros(len(mesh.polygons), np.bool_)
     chosen[[face for face in faces if face < len(chosen)]] = True
     corners = np.repeat(chosen, [polygon.loop_total for polygon in mesh.polygons])
-    for elements, field in ((mesh.vertices, "vertex_index"), (mesh.edges, "edge_index")):
+    marks = {"FACE": chosen}
+    for domain, elements, field in (
+        ("POINT", mesh.vertices, "vertex_index"), ("EDGE", mesh.edges, "edge_index"),
+    ):  # fmt: skip
         index = np.empty(len(mesh.loops), np.int32)
         mesh.loops.foreach_get(field, index)
-        own = np.zeros(len(elements), np.bool_)
-        own[index[corners]] = True
-        elements.foreach_set("select", own)
-    mesh.polygons.foreach_set("select", chosen)
+        marks[domain] = np.zeros(len(elements), np.bool_)
+        marks[domain][index[corners]] = True
+    for domain, mark in marks.items():
+        # Blender 5.0 crashes where `select` of a mesh is set in which nothing was ever selected.
+        name = SELECTION[domain]
+        attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "BOOLEAN", domain)
+        attribute.data.foreach_set("value", mark)
     mesh.update()
 
 

@@ -102,7 +102,8 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     parts = [body, *solids] if body is not None else []
     job = {
-        "first_frame": frames[0], "sequence": films, "turn": space.turn.tolist(), "notes": weather.notes(),
+        "first_frame": frames[0], "sequence": films, "turn": space.turn.tolist(), "fit": settings.use_fit,
+        "notes": [*weather.notes(), *(_without_fit(garments) if settings.use_fit else ())],
         "avatars": [part.obj.name for part in cast.avatars],
         "thickened": [name for part in parts for name in part.thickened],
         "garments": [_entry(garment, text) for garment in seen],
@@ -145,6 +146,13 @@ def stems(garments: Sequence[Any]) -> list[str]:
     return names
 
 
+def _without_fit(garments: Sequence[Any]) -> list[str]:
+    """Return a sentence for every garment that can have no maps of its fit."""
+    return [
+        f"'{obj.name}' has no fit maps: it keeps its topology" for obj in garments if obj.toile.keep_topology
+    ]
+
+
 def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
     """Return what the writer of a garment's frames must know."""
     obj = garment.obj
@@ -169,6 +177,8 @@ def _scene_toml(
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
     lines = [f'quality = "{settings.quality}"']
+    if settings.use_fit and pattern is None:
+        lines.append('fit = "maps"')
     lines += weather.lines
     if settings.size_min > 0.0:
         lines.append(f"edge_length = {scale * settings.size_min:.6f}")
