@@ -124,8 +124,8 @@ def _own(mesh: Any) -> list[Any]:
 def corners(loop_vertex: Int, values: list[npt.NDArray[Any]]) -> tuple[Int, Int]:
     """Tell loops apart that differ in vertex or values: the corner of every loop, and a loop of each.
 
-    Values count as equal to SAME: UV maps of Blender's own grid differ in their last digits from face to face,
-    and in every version otherwise.
+    Values count as equal to SAME: UV maps of Blender's own grid differ in their last digits from face to
+    face, in every version in other ones.
     """
     rows = [loop_vertex.astype(np.float64)[:, None]]
     rows += [

@@ -186,7 +186,7 @@ def _scene_toml(
         lines.append("remesh = false")
     elif settings.size_max > 0.0:
         lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
-    lines += weather.air
+    lines += weather.air(scene.render.fps / scene.render.fps_base)
     lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
     if pattern is not None:
         lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]

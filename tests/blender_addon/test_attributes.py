@@ -42,9 +42,8 @@ def test_the_nodes_go_with_the_frames(found: dict[str, Any]) -> None:
 def test_rounding_splits_no_corner() -> None:
     """Maps of two triangles whose common corners differ by a last digit, and by a millimetre."""
     loops = np.array([0, 1, 2, 0, 2, 3], np.int32)
-    uv = np.array(
-        [[0.2, 0.0], [0.4, 0.0], [0.4, 0.2], [0.2, 1e-8], [0.40000004, 0.2], [0.2, 0.2]], np.float32
-    )
+    places = [[0.2, 0.0], [0.4, 0.0], [0.4, 0.2], [0.2, 1e-8], [0.40000004, 0.2], [0.2, 0.2]]
+    uv = np.array(places, np.float32)
     corner, first = corners(loops, [uv])
     assert len(first) == 4 and corner[0] == corner[3] and corner[2] == corner[4]
     uv[3, 0] += 1e-3
