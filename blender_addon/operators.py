@@ -285,7 +285,7 @@ class TOILE_OT_show_fit(_OnGarment, bpy.types.Operator):
             return {"CANCELLED"}
         values = np.empty(len(seen.data), np.float32)
         seen.data.foreach_get("value", values)
-        top = show_fit(garment, our_modifier(garment), self.shown, values)
+        top = show_fit(garment, our_modifier(garment), self.shown, values.astype(np.float64))
         self.report({"INFO"}, f"{MAPS[self.shown].label}: colours from 0 to {top:g}")
         return {"FINISHED"}
 

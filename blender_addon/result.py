@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
-import numpy as np
 
 from toile.blender_addon.attribute_nodes import is_nodes, put_back, remove_nodes
 from toile.blender_addon.fit_nodes import hide_fit
@@ -16,8 +16,6 @@ NAME = "toile"
 PRIM = "/garment"
 GONE = "missing on disk: dress it again"
 """State of a garment whose frames somebody removed."""
-SELECTION = {"POINT": ".select_vert", "EDGE": ".select_edge", "FACE": ".select_poly"}
-"""Attributes in which Blender keeps what is selected."""
 REFINING = {
     "SUBSURF", "MULTIRES", "SOLIDIFY", "BEVEL", "NODES", "SMOOTH", "CORRECTIVE_SMOOTH", "WEIGHTED_NORMAL"
 }  # fmt: skip
@@ -102,25 +100,23 @@ def made_real(obj: Any, context: Any) -> None:
 
 
 def select_faces(obj: Any, faces: tuple[int, ...]) -> None:
-    """Select polygons of an object's own mesh, and nothing else in it."""
-    mesh = obj.data
-    chosen = np.zeros(len(mesh.polygons), np.bool_)
-    chosen[[face for face in faces if face < len(chosen)]] = True
-    corners = np.repeat(chosen, [polygon.loop_total for polygon in mesh.polygons])
-    marks = {"FACE": chosen}
-    for domain, elements, field in (
-        ("POINT", mesh.vertices, "vertex_index"), ("EDGE", mesh.edges, "edge_index"),
-    ):  # fmt: skip
-        index = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get(field, index)
-        marks[domain] = np.zeros(len(elements), np.bool_)
-        marks[domain][index[corners]] = True
-    for domain, mark in marks.items():
-        # Blender 5.0 crashes where `select` of a mesh is set in which nothing was ever selected.
-        name = SELECTION[domain]
-        attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "BOOLEAN", domain)
-        attribute.data.foreach_set("value", mark)
-    mesh.update()
+    """Select polygons of an object's own mesh, and nothing else in it; in edit mode, nothing is done."""
+    if obj.data.is_editmode:
+        return
+    # Blender 5.0 crashes where `select` of a mesh is set in which nothing was ever selected.
+    editable = bmesh.new()
+    try:
+        editable.from_mesh(obj.data)
+        for elements in (editable.verts, editable.edges, editable.faces):
+            for element in elements:
+                element.select = False
+        editable.faces.ensure_lookup_table()
+        for face in faces:
+            if face < len(editable.faces):
+                editable.faces[face].select_set(True)
+        editable.to_mesh(obj.data)
+    finally:
+        editable.free()
 
 
 def _opened(path: Path, sequence: bool) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 
 from toile.blender_addon.problem import Problem
 from toile.blender_addon.snapshot.space import Space, gravity
-from toile.dressing.run.air import FASTEST
+from toile.engine.forces.fan import FASTEST
 from toile.geometry.arrays import Float
 
 
