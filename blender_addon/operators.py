@@ -5,17 +5,20 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from toile.blender_addon.dressing import draft_steps, dress_body_steps, dress_steps
+from toile.blender_addon.fit_nodes import MAPS, cloth_nodes, hide_fit, show_fit
 from toile.blender_addon.frame_folders import forget, note_loaded, note_user, sweep
 from toile.blender_addon.problem import Problem, check_editable
 from toile.blender_addon.result import made_real, note_missing, our_modifier, remove_modifier
 from toile.blender_addon.run import Current, Run, Steps, cancel_current
 from toile.blender_addon.snapshot.cast import roles
 
+ROLES = ("NONE", "AVATAR", "GARMENT", "OBSTACLE")
 SHOWN_IN = {"PROPERTIES", "VIEW_3D"}
 """Editors that show progress."""
 
@@ -193,12 +196,10 @@ class TOILE_OT_cancel(bpy.types.Operator):
 
 
 class TOILE_OT_set_role(bpy.types.Operator):
-    """Make the active object an avatar or a garment, or neither."""
+    """Make the active object an avatar, a garment or an obstacle, or none of them."""
 
     bl_idname, bl_label, bl_options = "toile.set_role", "Set Role", {"REGISTER", "UNDO"}
-    __annotations__ = {
-        "role": EnumProperty(items=[(word, word.capitalize(), "") for word in ("NONE", "AVATAR", "GARMENT")])
-    }
+    __annotations__ = {"role": EnumProperty(items=[(word, word.capitalize(), "") for word in ROLES])}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -260,6 +261,46 @@ class _OnGarment:
         return Current.run is None and context.object is not None and our_modifier(context.object) is not None
 
 
+class TOILE_OT_show_fit(_OnGarment, bpy.types.Operator):
+    """Colour this garment by how it fits; its mesh and materials stay."""
+
+    bl_idname, bl_label, bl_options = "toile.show_fit", "Show Fit", {"REGISTER", "UNDO"}
+    __annotations__ = {
+        "shown": EnumProperty(
+            name="Shown", default="stretch_warp_percent",
+            items=[("NONE", "Own Materials", ""), *((name, made.label, "") for name, made in MAPS.items())],
+        )
+    }  # fmt: skip
+
+    def execute(self, context: Any) -> set[str]:
+        """Show it."""
+        garment = context.object
+        if self.shown == "NONE":
+            hide_fit(garment)
+            return {"FINISHED"}
+        seen = garment.evaluated_get(context.evaluated_depsgraph_get()).data.attributes.get(self.shown)
+        if seen is None:
+            self.report({"ERROR"}, f"'{garment.name}' has no such map in this frame: switch Fit Maps on and "
+                        "dress it; pressure, tension, shear and gap are in the last frame")  # fmt: skip
+            return {"CANCELLED"}
+        values = np.empty(len(seen.data), np.float32)
+        seen.data.foreach_get("value", values)
+        top = show_fit(garment, our_modifier(garment), self.shown, values.astype(np.float64))
+        self.report({"INFO"}, f"{MAPS[self.shown].label}: colours from 0 to {top:g}")
+        return {"FINISHED"}
+
+
+class TOILE_OT_add_nodes(bpy.types.Operator):
+    """Add geometry nodes that read the cloth and its maps to this file, as an asset."""
+
+    bl_idname, bl_label, bl_options = "toile.add_nodes", "Add Nodes", {"REGISTER", "UNDO"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Add them."""
+        self.report({"INFO"}, f"geometry nodes '{cloth_nodes().name}'")
+        return {"FINISHED"}
+
+
 class TOILE_OT_apply(_OnGarment, bpy.types.Operator):
     """Make what the garment shows in this frame its mesh; the old mesh is kept as data."""
 
@@ -290,7 +331,8 @@ class TOILE_OT_clear(_OnGarment, bpy.types.Operator):
 
 CLASSES = (
     TOILE_OT_dress, TOILE_OT_dress_body, TOILE_OT_add_pattern, TOILE_OT_import_pattern, TOILE_OT_cancel,
-    TOILE_OT_set_role, TOILE_OT_apply, TOILE_OT_clear, TOILE_OT_add_field, TOILE_OT_remove_field,
+    TOILE_OT_set_role, TOILE_OT_show_fit, TOILE_OT_add_nodes, TOILE_OT_apply, TOILE_OT_clear,
+    TOILE_OT_add_field, TOILE_OT_remove_field,
 )  # fmt: skip
 
 

@@ -24,6 +24,7 @@ def draw_add(self: Any, context: Any) -> None:
         return
     row.operator("toile.set_role", text="Toile Garment", icon="MATCLOTH").role = "GARMENT"
     row.operator("toile.set_role", text="Toile Avatar", icon="OUTLINER_OB_ARMATURE").role = "AVATAR"
+    row.operator("toile.set_role", text="Toile Obstacle", icon="MESH_CUBE").role = "OBSTACLE"
 
 
 def draw_run(layout: Any, context: Any) -> None:
@@ -63,6 +64,10 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
         if obj.toile.role == "GARMENT":
             layout.prop(obj.toile, "layer")
             layout.prop(obj.toile, "keep_topology")
+        if obj.toile.role == "OBSTACLE":
+            layout.prop(obj.toile, "use_friction")
+            if obj.toile.use_friction:
+                layout.prop(obj.toile, "friction")
         draw_run(layout.column(), context)
         if obj.toile.state:
             layout.label(text=f"Frames: {obj.toile.state}")
@@ -74,6 +79,9 @@ class TOILE_PT_physics(_Physics, bpy.types.Panel):
             row = layout.row(align=True)
             row.operator("toile.apply")
             row.operator("toile.clear")
+            row = layout.row(align=True)
+            row.operator_menu_enum("toile.show_fit", "shown", icon="COLOR")
+            row.operator("toile.add_nodes", icon="GEOMETRY_NODES")
 
 
 class TOILE_PT_fabric(_Physics, bpy.types.Panel):
@@ -147,6 +155,7 @@ class TOILE_PT_scene(_Physics, bpy.types.Panel):
             column.prop(settings, "frame_end")
         layout.prop(settings, "quality")
         layout.prop(settings, "threads")
+        layout.prop(settings, "use_fit")
         layout.prop(settings, "use_remesh")
         column = layout.column(align=True)
         column.prop(settings, "size_min")

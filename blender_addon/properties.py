@@ -93,6 +93,7 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
                 ("NONE", "None", "Takes no part"),
                 ("AVATAR", "Avatar", "A body that garments are put on; it moves as it is animated"),
                 ("GARMENT", "Garment", "Cloth: modifiers above toile's feed it, those below refine it"),
+                ("OBSTACLE", "Obstacle", "A solid that cloth meets and nobody wears; it may move and deform"),
             ],
         ),
         "fabric": EnumProperty(
@@ -110,6 +111,13 @@ class TOILE_PG_object(bpy.types.PropertyGroup):
         "thickness": FloatProperty(
             name="Thickness", description="Distance that layers keep; 0 is the fabric's own", min=0.0,
             max=0.02, subtype="DISTANCE", precision=4, step=0.01,
+        ),
+        "friction": FloatProperty(
+            name="Friction", default=0.3, min=0.0, max=2.0, precision=3,
+            description="Coulomb coefficient of all cloth on this obstacle",
+        ),
+        "use_friction": BoolProperty(
+            name="Own Friction", description="Its own friction; else cloth has what it has on the body"
         ),
         "warp_map": StringProperty(name="Warp", description="UV map whose V axis is the warp"),
         "pin_group": StringProperty(
@@ -161,6 +169,10 @@ class TOILE_PG_scene(bpy.types.PropertyGroup):
         "threads": IntProperty(
             name="Threads", default=2, min=1, max=64,
             description="Threads that share the work; the result is the same with any number",
+        ),
+        "use_fit": BoolProperty(
+            name="Fit Maps",
+            description="Attributes of stretch in all frames; of pressure, tension and gap in the last one",
         ),
         "use_remesh": BoolProperty(
             name="Adaptive Mesh", default=True, description="Fine where cloth folds, coarse where it is flat"

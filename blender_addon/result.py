@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
-import numpy as np
 
 from toile.blender_addon.attribute_nodes import is_nodes, put_back, remove_nodes
+from toile.blender_addon.fit_nodes import hide_fit
 from toile.blender_addon.frame_folders import MARK, relative, remove_orphans, replaced, shown_folder
 from toile.blender_addon.problem import Problem
 
@@ -61,6 +62,7 @@ def remove_modifier(obj: Any) -> Path | None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
         remove_nodes(obj)
+        hide_fit(obj)
         remove_orphans()
     return folder
 
@@ -98,19 +100,23 @@ def made_real(obj: Any, context: Any) -> None:
 
 
 def select_faces(obj: Any, faces: tuple[int, ...]) -> None:
-    """Select polygons of an object's own mesh, and nothing else in it."""
-    mesh = obj.data
-    chosen = np.zeros(len(mesh.polygons), np.bool_)
-    chosen[[face for face in faces if face < len(chosen)]] = True
-    corners = np.repeat(chosen, [polygon.loop_total for polygon in mesh.polygons])
-    for elements, field in ((mesh.vertices, "vertex_index"), (mesh.edges, "edge_index")):
-        index = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get(field, index)
-        own = np.zeros(len(elements), np.bool_)
-        own[index[corners]] = True
-        elements.foreach_set("select", own)
-    mesh.polygons.foreach_set("select", chosen)
-    mesh.update()
+    """Select polygons of an object's own mesh, and nothing else in it; in edit mode, nothing is done."""
+    if obj.data.is_editmode:
+        return
+    # Blender 5.0 crashes where `select` of a mesh is set in which nothing was ever selected.
+    editable = bmesh.new()
+    try:
+        editable.from_mesh(obj.data)
+        for elements in (editable.verts, editable.edges, editable.faces):
+            for element in elements:
+                element.select = False
+        editable.faces.ensure_lookup_table()
+        for face in faces:
+            if face < len(editable.faces):
+                editable.faces[face].select_set(True)
+        editable.to_mesh(obj.data)
+    finally:
+        editable.free()
 
 
 def _opened(path: Path, sequence: bool) -> Any:

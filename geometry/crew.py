@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
 from queue import SimpleQueue
-from threading import Lock, Thread
+from threading import Lock, Thread, local
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -94,42 +94,51 @@ class _Crew:
             helper.join()
 
 
-_crews: list[_Crew] = []
-"""The crew at work, if there is one."""
+_own = local()
+"""Of each thread that runs a scene, as `crew`, the crew that helps it, if there is one: two may run at once."""
+
+
+def _crew() -> _Crew | None:
+    return getattr(_own, "crew", None)
 
 
 @contextmanager
 def crew_of(threads: int) -> Iterator[None]:
     """Share out the work of kernels among so many threads, this one included, for the time being."""
-    if threads < 2 or _crews:
+    if threads < 2 or _crew() is not None:
         yield
         return
     crew = _Crew(threads - 1)
-    _crews.append(crew)
+    _own.crew = crew
     try:
         yield
     finally:
-        _crews.clear()
+        _leave()
         crew.end()
+
+
+def _leave() -> None:
+    _own.crew = None
 
 
 # Threads do not live on in a forked process.
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_crews.clear)
+    os.register_at_fork(after_in_child=_leave)
 
 
 def in_parts(work: Callable[[int, int], Result], rows: int, part: int) -> list[Result]:
     """Return what `work(first, last)` gives for rows in parts of `part`, in order; nothing for no rows.
 
     Rows must not depend on each other: a thread that is alone takes longer parts. Parts run at the same time,
-    so they must not write what others read or write. One should take a tenth of
-    a millisecond at least: handing it to another thread takes a twentieth.
+    so they must not write what others read or write. One should take a tenth of a millisecond at least:
+    handing it to another thread takes a twentieth.
     """
-    if rows <= part or not _crews:
-        part *= 1 if _crews else ALONE
+    crew = _crew()
+    if rows <= part or crew is None:
+        part *= 1 if crew is not None else ALONE
         return [work(first, min(first + part, rows)) for first in range(0, rows, part)]
     job = _Job(work, rows, part)
-    _crews[0].carry_out(job, -(-rows // part))
+    crew.carry_out(job, -(-rows // part))
     return job.results()
 
 

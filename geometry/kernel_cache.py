@@ -20,6 +20,7 @@ from llvmlite import binding
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import get_host_cpu_features
 
+from toile.geometry.cache_folder import cache_root
 from toile.geometry.sources import hash_of, kernel_modules, read_sources
 
 try:
@@ -34,15 +35,6 @@ REMOVED = "-removed"
 """Ending of the names of folders that are about to go."""
 LOCK = "in_use"
 """File in a folder that every process with kernels from it holds open, with a shared lock."""
-
-
-def cache_root() -> Path:
-    """Return the folder of what toile keeps for later runs.
-
-    It is `TOILE_CACHE_DIR`, or else `toile` in the user's folder for caches.
-    """
-    base = os.environ.get("TOILE_CACHE_DIR")
-    return Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "toile"
 
 
 def kernel_cache_dir() -> Path:

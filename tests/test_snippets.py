@@ -65,7 +65,10 @@ def test_mypy_finds_nothing(snippets: Path) -> None:
 def test_pyright_finds_nothing(snippets: Path) -> None:
     pyright = os.environ.get("TOILE_PYRIGHT") or shutil.which("pyright")
     if pyright is None:
-        pytest.skip("there is no pyright (pip install pyright, or name one in TOILE_PYRIGHT)")
+        pytest.skip("there is no pyright (pip install -e '.[pyright]', or name one in TOILE_PYRIGHT)")
+    started = subprocess.run([pyright, "--version"], capture_output=True, text=True)
+    if started.returncode:
+        pytest.skip(f"pyright does not start here, it needs Node.js: {started.stderr.strip()[-200:]}")
     settings = {
         "extraPaths": [str(ROOT)], "include": [str(snippets)], "reportMissingImports": False,
         "reportMissingModuleSource": False, "typeCheckingMode": "standard", "failOnWarnings": False,

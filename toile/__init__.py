@@ -42,10 +42,13 @@ if TYPE_CHECKING:
     from toile.dressing.run.result import DressedGarment, Result
     from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
     from toile.dressing.run.scene_file import load_scene
+    from toile.dressing.wear.drape_types import Failure
     from toile.engine.cloth.fabric import Fabric
     from toile.engine.cloth.fields.keyed import Keyed
     from toile.engine.cloth.vertex_motion import VertexMotion
+    from toile.engine.forces.fan import Fan
     from toile.geometry.errors import InputError
+    from toile.remesh.sizing.sizing import SizingOptions
 
     __version__: str
 
@@ -64,6 +67,8 @@ _HOME = {
     "EdgePart": "toile.dressing.pattern.seam",
     "Elastic": "toile.dressing.garment.fields.field",
     "Fabric": "toile.engine.cloth.fabric",
+    "Failure": "toile.dressing.wear.drape_types",
+    "Fan": "toile.engine.forces.fan",
     "Field": "toile.dressing.garment.fields.field",
     "Filling": "toile.dressing.garment.fields.field",
     "Fold": "toile.dressing.pattern.pattern",
@@ -89,6 +94,7 @@ _HOME = {
     "Scene": "toile.dressing.run.scene",
     "Seam": "toile.dressing.pattern.seam",
     "Sheet": "toile.dressing.live.sheet",
+    "SizingOptions": "toile.remesh.sizing.sizing",
     "Stitch": "toile.dressing.pattern.pattern",
     "Textured": "toile.dressing.garment.fields.field",
     "VertexMotion": "toile.engine.cloth.vertex_motion",
@@ -122,6 +128,8 @@ __all__ = [
     "EdgePart",
     "Elastic",
     "Fabric",
+    "Failure",
+    "Fan",
     "Field",
     "Filling",
     "Fold",
@@ -147,6 +155,7 @@ __all__ = [
     "Scene",
     "Seam",
     "Sheet",
+    "SizingOptions",
     "Stitch",
     "Textured",
     "VertexMotion",

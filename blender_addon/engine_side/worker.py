@@ -65,6 +65,7 @@ def _at_fault(error: InputError, folder: Path) -> dict[str, Any]:
 def _dress(folder: Path) -> None:
     """Dress the scene of a folder, frame by frame into the cache folders of its garments."""
     from toile.blender_addon.engine_side.frames import FrameWriter
+    from toile.dressing.fit.fit_maps import FitMaps
     from toile.dressing.run.dress import dress
     from toile.dressing.run.progress import ProgressState
     from toile.dressing.run.result import DressedGarment
@@ -91,7 +92,11 @@ def _dress(folder: Path) -> None:
     def say(text: str) -> None:
         _tell(say=worded(text), lasting=worded.is_lasting(text))
 
-    result = dress(scene, None, on_frame, say, record)
+    def fit(maps: FitMaps) -> None:
+        for writer, garment in zip(writers, maps.garments, strict=True):
+            writer.add_fit(garment)
+
+    result = dress(scene, None, on_frame, say, record, fit)
     report, failure = result.report, result.failure
     state = "failed" if result.status == "failed" else "complete"
     for writer in writers:

@@ -30,6 +30,7 @@ class AvatarSnapshot:
         self._sheets: list[OpenSheets] = []
         self.faces: Int = np.empty((0, 3), np.int32)
         self.thickened: list[str] = []
+        self.name = "the avatar"
 
     def read(self, depsgraph: Any) -> Iterator[None]:
         """Take over the faces, an object in every step."""
@@ -64,7 +65,7 @@ class AvatarSnapshot:
             first += len(sheets.with_below(points))
         self.faces = np.concatenate(pieces)
         if not len(self.faces):
-            raise Problem(f"'{self._parts[0].obj.name}' has no faces: an avatar is a closed surface")
+            raise Problem(f"'{self._parts[0].obj.name}' has no faces: a solid is a closed surface")
 
     def see(self, depsgraph: Any) -> Float:
         """Vertices in the present frame [m], Y up, shape (v, 3)."""
@@ -75,7 +76,7 @@ class AvatarSnapshot:
             with evaluated(obj, depsgraph) as mesh:
                 if len(mesh.vertices) != count:
                     frame = self._scene.frame_current
-                    raise Problem(f"'{obj.name}' changes its number of vertices in frame {frame}; an avatar "
+                    raise Problem(f"'{obj.name}' changes its number of vertices in frame {frame}; a solid "
                                   "keeps its mesh while it moves")  # fmt: skip
                 found.append(sheets.with_below(moved(self._space.of(matrix), positions(mesh))))
         return np.concatenate(found)

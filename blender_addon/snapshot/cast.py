@@ -10,7 +10,7 @@ from toile.blender_addon.problem import Problem
 
 @dataclass(frozen=True)
 class AvatarPart:
-    """An avatar object, itself or as an instance of a collection.
+    """An avatar or obstacle, itself or as an instance of a collection.
 
     `instance` tells an instance from others of the same object; it is empty for the object itself.
     """
@@ -21,10 +21,11 @@ class AvatarPart:
 
 @dataclass(frozen=True)
 class Cast:
-    """Garments and avatars that are dressed together, apart from all others."""
+    """Garments and avatars that are dressed together among obstacles, apart from all others."""
 
     avatars: tuple[AvatarPart, ...]
     garments: tuple[Any, ...] = ()
+    obstacles: tuple[AvatarPart, ...] = ()
 
 
 @dataclass
@@ -35,6 +36,7 @@ class Roles:
     """
 
     avatars: list[AvatarPart] = field(default_factory=list)
+    obstacles: list[AvatarPart] = field(default_factory=list)
     garments: list[Any] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
@@ -53,8 +55,8 @@ def roles(context: Any) -> Roles:
         if obj not in inside or not obj.visible_get(view_layer=layer):
             if not any(part.obj == obj for part in instanced):
                 hidden.append(obj.name)
-        elif role == "AVATAR":
-            found.avatars.append(AvatarPart(obj))
+        elif role in ("AVATAR", "OBSTACLE"):
+            (found.avatars if role == "AVATAR" else found.obstacles).append(AvatarPart(obj))
         elif obj.library is not None:
             found.left_out.append(
                 f"'{obj.name}' is linked, so it cannot show frames: make a library override"
@@ -62,8 +64,8 @@ def roles(context: Any) -> Roles:
         else:
             found.garments.append(obj)
     for part in instanced:
-        if part.obj.toile.role == "AVATAR":
-            found.avatars.append(part)
+        if part.obj.toile.role != "GARMENT":
+            (found.avatars if part.obj.toile.role == "AVATAR" else found.obstacles).append(part)
         else:
             found.left_out.append(
                 f"'{part.obj.name}' is in an instance of a collection, so it cannot show frames: make the "
@@ -102,17 +104,23 @@ def casts(context: Any, *, only_selected: bool = False) -> tuple[list[Cast], lis
     bodies = [body_of(obj, present) for obj in garments]
     named = list(dict.fromkeys(body for body in bodies if body is not None))
     if len(named) < 2:
-        own = [part for part in avatars if _serves(part, named[0] if named else None, _claimed(found, named))]
-        return [Cast(tuple(own), tuple(garments))], found.left_out
+        return [_cast(found, avatars, garments, named[0] if named else None, named)], found.left_out
     if None in bodies:
-        return [Cast(tuple(avatars), tuple(garments))], found.left_out
+        return [Cast(tuple(avatars), tuple(garments), tuple(found.obstacles))], found.left_out
     made = []
     for body in named:
-        own = [part for part in avatars if _serves(part, body, _claimed(found, named))]
-        made.append(
-            Cast(tuple(own), tuple(obj for obj, its in zip(garments, bodies, strict=True) if its == body))
-        )
+        worn = [obj for obj, its in zip(garments, bodies, strict=True) if its == body]
+        made.append(_cast(found, avatars, worn, body, named))
     return made, found.left_out
+
+
+def _cast(found: Roles, avatars: list[AvatarPart], garments: list[Any], body: Any, named: list[Any]) -> Cast:
+    """Return a body with what belongs to it or to nobody, and garments."""
+    claimed = _claimed(found, named)
+    own, obstacles = (
+        tuple(part for part in parts if _serves(part, body, claimed)) for parts in (avatars, found.obstacles)
+    )
+    return Cast(own, tuple(garments), obstacles)
 
 
 def body_of(obj: Any, present: set[Any]) -> Any:
@@ -126,7 +134,7 @@ def _claimed(found: Roles, named: list[Any]) -> set[Any]:
 
 
 def _serves(part: AvatarPart, body: Any, claimed: set[Any]) -> bool:
-    """Whether an avatar is that body, belongs to it, or to nobody."""
+    """Whether an avatar or obstacle is that body, belongs to it, or to nobody."""
     if body is None or part.instance:
         return True
     owner = part.obj if part.obj in claimed else part.obj.toile.body

@@ -9,6 +9,8 @@ from toile.blender_addon.snapshot.carriers import Chosen
 from toile.dressing.files.corner_surface import split_from_second
 from toile.geometry.arrays import Float, Int
 
+SAME = 1e-6
+"""Difference of values at the corners of a vertex that is rounding."""
 FIELDS = {
     "FLOAT": ("value", 1, np.float32), "INT": ("value", 1, np.int32), "BOOLEAN": ("value", 1, np.bool_),
     "FLOAT_VECTOR": ("vector", 3, np.float32), "FLOAT2": ("vector", 2, np.float32),
@@ -120,9 +122,15 @@ def _own(mesh: Any) -> list[Any]:
 
 
 def corners(loop_vertex: Int, values: list[npt.NDArray[Any]]) -> tuple[Int, Int]:
-    """Tell loops apart that differ in vertex or values: the corner of every loop, and a loop of each."""
+    """Tell loops apart that differ in vertex or values: the corner of every loop, and a loop of each.
+
+    Values count as equal to SAME: UV maps of Blender's own grid differ in their last digits from face to
+    face, in every version in other ones.
+    """
     rows = [loop_vertex.astype(np.float64)[:, None]]
-    rows += [np.asarray(array, np.float64).reshape(len(loop_vertex), -1) for array in values]
+    rows += [
+        np.rint(np.asarray(array, np.float64).reshape(len(loop_vertex), -1) / SAME) * SAME for array in values
+    ]
     table = np.ascontiguousarray(np.concatenate(rows, axis=1))
     # Comparing rows as bytes is ten times as fast as comparing them number by number.
     keys = (table + 0.0).view(np.dtype((np.void, table.itemsize * table.shape[1]))).ravel()

@@ -15,6 +15,7 @@ from toile.blender_addon.properties import NOT_DRAFTED, OWN_VALUES
 from toile.blender_addon.snapshot.avatar_snapshot import MOVING, STILL, AvatarSnapshot, write_still
 from toile.blender_addon.snapshot.cast import Cast
 from toile.blender_addon.snapshot.garment_snapshot import GarmentSnapshot, fed_by_modifiers_above
+from toile.blender_addon.snapshot.obstacle_snapshot import ObstacleSnapshot
 from toile.blender_addon.snapshot.space import Space, metres_per_unit
 from toile.blender_addon.snapshot.wind import Weather
 from toile.dressing.files.writers.npz_motion import MotionWriter
@@ -46,6 +47,7 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
     if films:
         frames = list(range(settings.frame_start, settings.frame_end + 1))
     seen: list[GarmentSnapshot] = []
+    solids: list[ObstacleSnapshot] = []
     fps = scene.render.fps / scene.render.fps_base
     before = scene.frame_current, scene.frame_subframe
     body: AvatarSnapshot | None = None
@@ -60,14 +62,21 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
                     space = Space.upright(scene) if pattern is not None else Space.falling(scene)
                     weather = Weather(scene, space, films=films)
                     body = AvatarSnapshot(cast.avatars, scene, space)
-                    for _ in body.read(depsgraph):
-                        yield "reading the avatar"
+                    solids += [
+                        ObstacleSnapshot(part, number, scene, space, folder, len(frames))
+                        for number, part in enumerate(cast.obstacles)
+                    ]
+                    for solid in (body, *solids):
+                        for _ in solid.read(depsgraph):
+                            yield f"reading {solid.name}"
                     for obj, stem in zip(garments, stems(garments), strict=True):
                         seen.append(GarmentSnapshot(obj, stem, space, folder, len(frames)))
                         for _ in seen[-1].read(context.evaluated_depsgraph_get()):
                             yield f"reading {obj.name}"
                     depsgraph = context.evaluated_depsgraph_get()
                 vertices = body.see(depsgraph)
+                for solid in solids:
+                    solid.note(depsgraph)
                 weather.see(scene)
                 if films and frame == frames[0]:
                     _check_drafts(context, body, vertices, [garment.obj for garment in seen])
@@ -89,16 +98,16 @@ def write_scene(context: Any, folder: Path, cast: Cast, pattern: str | None = No
         garment.write(fps)
         yield f"reading {garment.obj.name}"
     text = _scene_toml(scene, weather, films, seen, pattern)
+    text += "".join(f"{line}\n" for solid in solids for line in solid.write(fps))
     (folder / "scene.toml").write_text(text, encoding="utf-8")
+    parts = [body, *solids] if body is not None else []
     job = {
-        "first_frame": frames[0],
-        "sequence": films,
-        "turn": space.turn.tolist(),
-        "notes": weather.notes(),
+        "first_frame": frames[0], "sequence": films, "turn": space.turn.tolist(), "fit": settings.use_fit,
+        "notes": [*weather.notes(), *(_without_fit(garments) if settings.use_fit else ())],
         "avatars": [part.obj.name for part in cast.avatars],
-        "thickened": [] if body is None else body.thickened,
+        "thickened": [name for part in parts for name in part.thickened],
         "garments": [_entry(garment, text) for garment in seen],
-    }
+    }  # fmt: skip
     (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
 
 
@@ -137,6 +146,13 @@ def stems(garments: Sequence[Any]) -> list[str]:
     return names
 
 
+def _without_fit(garments: Sequence[Any]) -> list[str]:
+    """Return a sentence for every garment that can have no maps of its fit."""
+    return [
+        f"'{obj.name}' has no fit maps: it keeps its topology" for obj in garments if obj.toile.keep_topology
+    ]
+
+
 def _entry(garment: GarmentSnapshot, text: str) -> dict[str, Any]:
     """Return what the writer of a garment's frames must know."""
     obj = garment.obj
@@ -161,6 +177,8 @@ def _scene_toml(
     """Return toile's own scene file."""
     settings, scale = scene.toile, metres_per_unit(scene)
     lines = [f'quality = "{settings.quality}"', f"threads = {settings.threads}"]
+    if settings.use_fit and pattern is None:
+        lines.append('fit = "maps"')
     lines += weather.lines
     if settings.size_min > 0.0:
         lines.append(f"edge_length = {scale * settings.size_min:.6f}")
@@ -168,7 +186,7 @@ def _scene_toml(
         lines.append("remesh = false")
     elif settings.size_max > 0.0:
         lines += ["[remesh]", f"size_max = {scale * settings.size_max:.6f}"]
-    lines += weather.air
+    lines += weather.air(scene.render.fps / scene.render.fps_base)
     lines += ["[avatar]", f'file = "{MOVING if films else STILL}"', 'units = "m"', 'up = "y"']
     if pattern is not None:
         lines += ["[[garment]]", f"source = {json.dumps(pattern, ensure_ascii=False)}"]

@@ -40,7 +40,8 @@ class BatchProgress:
         ended = sum(self.states.values())
         of = "" if self._total is None else f"/{self._total}"
         done, failed = self.states["done"], self.states["failed"]
-        text = f"{ended}{of} jobs: {done} done, {failed} failed, {running} running"
+        word = "job" if (self._total if of else ended) == 1 else "jobs"
+        text = f"{ended}{of} {word}: {done} done, {failed} failed, {running} running"
         if len(self._times) < 2:
             return text
         rate = (len(self._times) - 1) / max(time.monotonic() - self._times[0], 1e-9)
@@ -48,6 +49,11 @@ class BatchProgress:
         if self._total is not None:
             text += f"  about {clock((self._total - ended) / rate)} left"
         return text
+
+
+def jobs_text(count: int) -> str:
+    """Return how many jobs there are, in words."""
+    return f"{count} job" if count == 1 else f"{count} jobs"
 
 
 def rate_text(per_second: float) -> str:

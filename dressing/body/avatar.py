@@ -19,12 +19,13 @@ from toile.dressing.files.unknown_format import unknown_format
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.forces.contact_pairs import SkinPart
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError, about
 from toile.geometry.given_arrays import floats, indices
 
 
-@dataclass(frozen=True, kw_only=True)
-class Avatar:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Avatar(ByValue):
     """A body as one watertight, outward-oriented collision surface.
 
     Attributes

@@ -9,8 +9,8 @@ from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.mannequin import mannequin
 from toile.dressing.files.npz_file import npz_arrays
 from toile.dressing.files.writers.atomic import replacing
+from toile.geometry.cache_folder import cache_root
 from toile.geometry.errors import InputError
-from toile.geometry.kernel_cache import cache_root
 from toile.geometry.sources import hash_of, modules_behind, read_sources
 
 LIBRARIES = ("numpy", "scipy", "manifold3d")

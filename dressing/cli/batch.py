@@ -197,15 +197,16 @@ def _run_status(options: argparse.Namespace) -> int:
 
 def _run_export(options: argparse.Namespace) -> int:
     """Write a batch's table."""
+    from toile.dressing.batch.batch_progress import jobs_text
     from toile.dressing.batch.export import export
 
-    count = export(options.folder, options.table)
-    print(f"wrote {options.table}: {count} jobs")
+    print(f"wrote {options.table}: {jobs_text(export(options.folder, options.table))}")
     return DONE
 
 
 def _run_gallery(options: argparse.Namespace) -> int:
     """Write a batch's pages."""
+    from toile.dressing.batch.batch_progress import jobs_text
     from toile.dressing.batch.gallery.write_gallery import write_gallery
     from toile.dressing.run.progress import LinePrinter
 
@@ -213,7 +214,7 @@ def _run_gallery(options: argparse.Namespace) -> int:
     started = time.monotonic()
     try:
         page = write_gallery(
-            options.folder, lambda count: printer.show(f"{count} jobs", time.monotonic() - started)
+            options.folder, lambda count: printer.show(jobs_text(count), time.monotonic() - started)
         )
     finally:
         printer.close()

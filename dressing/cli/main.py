@@ -22,9 +22,9 @@ from toile.dressing.cli.parser import (
     OVERSTRETCHED,
     Commands,
     Parser,
+    add_posing,
     add_reading,
     body_length,
-    lead_in,
     reading_of,
 )
 from toile.dressing.cli.pattern import add_pattern, add_pattern_options
@@ -33,6 +33,7 @@ from toile.dressing.cli.validate import add_validate
 from toile.dressing.cli.verify import add_verify
 from toile.dressing.cli.view import add_view
 from toile.dressing.cli.yarns import add_yarns
+from toile.geometry.cache_folder import cache_root
 from toile.geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ def command_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="toile",
         description="Puts garments on bodies: sewing pattern in, penetration-free drape out.",
-        epilog=EXAMPLES,
+        epilog=f"{EXAMPLES}\n\ncompiled kernels are kept in {cache_root()} (TOILE_CACHE_DIR)",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="store_true", help="print the version and exit")
@@ -164,14 +165,7 @@ def _add_dress(commands: "Commands[Parser]") -> None:
         "an animated .glb, .gltf or .usd, or a folder with a mesh per frame (default: built-in mannequin)",
     )
     add_reading(dress)
-    dress.add_argument(
-        "--pose", action="append", metavar="FILE", help="the body in a pose to which it moves; repeat"
-    )
-    dress.add_argument(
-        "--lead-in", type=lead_in, metavar="SECONDS|off",
-        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
-        "hang); off leaves the arms of a body that stands",
-    )  # fmt: skip
+    add_posing(dress)
     _add_measurements(dress)
     dress.add_argument(
         "--obstacle", type=Path, action="append", metavar="FILE",

@@ -79,6 +79,23 @@ def add_reading(command: argparse.ArgumentParser) -> None:
     )
 
 
+def add_posing(command: argparse.ArgumentParser) -> None:
+    """Add the options of made motions: to a pose, and from one in which sleeves can be sewn."""
+    command.add_argument(
+        "--pose",
+        action="append",
+        metavar="FILE",
+        help="BODY in another pose, to which it moves; repeat for more; clip.glb@1.5 as a clip stands at 1.5 s",
+    )
+    command.add_argument(
+        "--lead-in",
+        type=lead_in,
+        metavar="SECONDS|off",
+        help="motion from a rest pose, or from open arms, into the clip of BODY (default: 1 s where arms "
+        "hang); off leaves the arms of a body that stands",
+    )
+
+
 def reading_of(options: argparse.Namespace) -> dict[str, Any]:
     """Return the options of `add_reading` that were given."""
     return {name: value for name in READING if (value := getattr(options, name)) is not None}

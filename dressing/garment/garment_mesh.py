@@ -10,6 +10,7 @@ from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.geometry.given_arrays import floats, indices
 
 if TYPE_CHECKING:
@@ -49,8 +50,8 @@ class Border(NamedTuple):
     vertices: Int
 
 
-@dataclass(frozen=True, kw_only=True)
-class GarmentMesh:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GarmentMesh(ByValue):
     """Triangulated panels placed around the body, seams still open.
 
     Attributes

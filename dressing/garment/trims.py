@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from toile.dressing.files.corner_surface import Surface
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.geometry.connected import connected_vertices
 from toile.geometry.topology import triangle_topology
 
@@ -24,8 +25,8 @@ SMALLEST_PATCH = 0.01
 """Least radius of the cloth that a trim follows [m]: a sewn button turns with its surroundings."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Trims:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trims(ByValue):
     """Rigid pieces on a garment.
 
     Attributes

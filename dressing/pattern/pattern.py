@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from toile.dressing.pattern.roles import EdgeRole, PanelRole
 from toile.dressing.pattern.seam import Seam
+from toile.geometry.by_value import ByValue
 
 Point = tuple[float, float]
 
@@ -98,8 +99,8 @@ class Fold:
     line: int | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Panel:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Panel(ByValue):
     """A flat piece of fabric.
 
     Attributes
@@ -169,8 +170,8 @@ class Stitch:
         return self.panel_b if self.panel_a == panel else self.panel_a
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pattern:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pattern(ByValue):
     """Panels and stitches of one garment.
 
     `seams` join runs of edges beside the stitches, which join whole ones; `notes` say what the reader had to

@@ -9,7 +9,7 @@ from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.fit.fit_words import CHECKED
 from toile.dressing.run.checkpoint import Checkpoint, Hung
 from toile.dressing.run.hang import hang, load_scene_kernels
-from toile.dressing.run.listener import Listener, Say
+from toile.dressing.run.listener import FitListener, Listener, Say
 from toile.dressing.run.output.one_run import one_run
 from toile.dressing.run.output.result_view import save_view
 from toile.dressing.run.progress import Progress
@@ -38,6 +38,7 @@ def dress(
     progress: Progress | None = None,
     say: Say | None = None,
     record: Record | None = None,
+    fit: FitListener | None = None,
 ) -> Result:
     """Put a scene's garments on its avatar.
 
@@ -55,6 +56,9 @@ def dress(
         Called with one sentence for everything that was recognised or repaired, and before compiling.
     record
         Called with every frame of garments that follow an avatar in motion; else once, with frame 0.
+    fit
+        Called at the end with the maps of how the garments fit, where the scene's `fit` is not "off"; with
+        it no output folder is needed for them.
 
     Returns
     -------
@@ -68,7 +72,7 @@ def dress(
     """
     folder = None if output is None else writable_folder(output)
     resolved = resolve(scene)
-    listener = Listener(progress, say, record)
+    listener = Listener(progress, say, record, fit)
     with one_run(folder), listener.heeding_interrupts(), crew_of(scene.threads or 1):
         return _from_the_start(resolved, folder, listener)
 
@@ -132,8 +136,10 @@ def _to_the_end(
         save_shapes(checkpoint.output, result.avatar, result.garments, scene.formats)
         save_report(checkpoint.output, result.report)
         save_view(checkpoint.output, result)
-        if scene.fit != OFF:
-            _write_fit(scene, hung, last, result, checkpoint.output, listener)
+    output = None if checkpoint is None else checkpoint.output
+    if scene.fit != OFF and (output is not None or listener.fit is not None):
+        _write_fit(scene, hung, last, result, output, listener)
+    if checkpoint is not None:
         if scene.certificate:
             _certify(scene, result, checkpoint.output)
         if result.status != "cancelled":
@@ -181,13 +187,14 @@ def _followed(
 
 
 def _write_fit(
-    scene: ResolvedScene, hung: Hung, last: "FilmState | None", result: Result, folder: Path,
+    scene: ResolvedScene, hung: Hung, last: "FilmState | None", result: Result, folder: Path | None,
     listener: Listener,
 ) -> None:  # fmt: skip
-    """Write how garments fit as they hang, or at the end of their film."""
+    """Tell how garments fit as they hang, or at the end of their film, and write it into a folder, if any."""
     from toile.dressing.fit.at_rest import at_rest
     from toile.dressing.fit.findings import fit_sentences
     from toile.dressing.fit.fit_files import write_fit
+    from toile.dressing.fit.fit_maps import fit_maps
 
     if result.status not in FOLLOWS:
         listener.say(f"no fit: the drape is {result.status}")
@@ -205,6 +212,10 @@ def _write_fit(
         worn = at_rest(worn)
     elif last.avatar is not None:
         worn = replace(worn, cloth=last.cloth, anchors=last.anchors, vertices=last.avatar)
+    if listener.fit is not None:
+        listener.fit(fit_maps(worn))
+    if folder is None:
+        return
     tables = write_fit(folder, worn, [file_stem(garment.name) for garment in result.garments], check)
     for sentence in fit_sentences(tables):
         listener.say(sentence)

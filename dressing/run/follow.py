@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from toile.dressing.body.avatar import Avatar
+from toile.dressing.body.place import Place
 from toile.dressing.files.writers.atomic import writable_folder, write_atomic
 from toile.dressing.files.writers.ply import ply_bytes
 from toile.dressing.run.checkpoint import Checkpoint, Hung
@@ -37,6 +38,7 @@ from toile.engine.film.plan import (
     FilmState,
 )
 from toile.engine.film.simulate import Simulation
+from toile.engine.forces.fan import Fan
 from toile.geometry.stage_clock import Spent, StageClock
 
 TIGHT = 0.4
@@ -221,11 +223,24 @@ def _plan(scene: ResolvedScene, hung: Hung, fps: float) -> FilmPlan:
     """Return how the motion is computed; air blows in the room."""
     air = scene.air
     if air is not None:
-        air = replace(air, velocity=tuple(hung.place.turned_in(np.array(air.velocity)).tolist()))
+        assert hung.body.motion is not None
+        lead = hung.body.motion.lead / hung.body.motion.fps
+        air = replace(
+            air, velocity=tuple(hung.place.turned_in(np.array(air.velocity)).tolist()),
+            fans=tuple(_in_frame(fan.later(lead), hung.place) for fan in air.fans),
+        )  # fmt: skip
     return FilmPlan(
         integrator=tr_bdf2, longest_step=LONGEST_STEP, step=replace(hung.drape.step, air=air),
         frame_seconds=1.0 / fps, newton=PUSHED_NEWTON,
         newton_tolerance=PUSHED_TOLERANCE, stretch_rise=PUSHED_RISE, sizing=hung.sizing,
+    )  # fmt: skip
+
+
+def _in_frame(fan: Fan, place: Place) -> Fan:
+    """Return a fan of the room in the body's frame."""
+    return replace(
+        fan, velocities=place.turned_in(np.array(fan.velocities)).tolist(),
+        places=place.inward(np.array(fan.places or [(0.0, 0.0, 0.0)] * len(fan.times))).tolist(),
     )  # fmt: skip
 
 

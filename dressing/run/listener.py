@@ -4,14 +4,20 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from toile.dressing.run.interrupt import CancelOnInterrupt
 from toile.dressing.run.progress import Progress, ProgressState, TimeLeft
 from toile.dressing.run.result import Record
 from toile.dressing.wear.drape_types import FrameState
 
+if TYPE_CHECKING:
+    from toile.dressing.fit.fit_maps import FitMaps
+
 Say = Callable[[str], None]
 """Called with one sentence."""
+FitListener = Callable[["FitMaps"], None]
+"""Called with the maps of a fit."""
 
 
 class Listener:
@@ -23,15 +29,19 @@ class Listener:
         Says a sentence to the caller.
     record
         Gives it a frame's number and garments.
+    fit
+        Gives it how garments fit; None where nobody wants to know, since that is work.
     """
 
     def __init__(
-        self, progress: Progress | None = None, say: Say | None = None, record: Record | None = None
-    ) -> None:
+        self, progress: Progress | None = None, say: Say | None = None, record: Record | None = None,
+        fit: FitListener | None = None,
+    ) -> None:  # fmt: skip
         self._progress = progress
         self._interrupt: CancelOnInterrupt | None = None
         self.say: Say = say or _nothing
         self.record: Record = record or _nothing
+        self.fit = fit
 
     @contextmanager
     def heeding_interrupts(self) -> Iterator[None]:

@@ -23,6 +23,7 @@ from toile.dressing.view.view_page import framed
 from toile.dressing.wear.drape_types import DrapedGarment, Failure, Status
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.geometry.normals import drawn_normals
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from toile.engine.cloth.origin import Origin
 
 
-@dataclass(frozen=True, kw_only=True)
-class DressedGarment:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DressedGarment(ByValue):
     """One garment after the drape.
 
     Attributes
@@ -84,8 +85,8 @@ class DressedGarment:
         )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
-class Result:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Result(ByValue):
     """A finished drape: its status, the report as in report.json, the avatar and the garments.
 
     `failure` says why it failed, if it did.

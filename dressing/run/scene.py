@@ -38,6 +38,7 @@ from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
+from toile.geometry.by_value import ByValue
 from toile.geometry.crew import MOST_THREADS
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import real, shown, truth, whole
@@ -139,8 +140,8 @@ AvatarSource = Avatar | AvatarFile | MannequinSize
 """A body, or where one comes from."""
 
 
-@dataclass(frozen=True)
-class Garment:
+@dataclass(frozen=True, eq=False)
+class Garment(ByValue):
     """One garment of a scene.
 
     Attributes
@@ -232,8 +233,7 @@ class Garment:
         for name in ("name", "units", "up", "size"):
             checked_text(getattr(self, name), name)
         _set(self, self_contact=truth(self.self_contact, "self_contact"), pins=given_pins(self.pins))
-        _set(self, warp_angle=given_warp(self.warp_angle))
-        _set(self, allowance=given_real(self.allowance, "allowance"))
+        _set(self, warp_angle=given_warp(self.warp_angle), allowance=given_real(self.allowance, "allowance"))
         if self.walls not in (1, 2) or isinstance(self.walls, bool):
             raise InputError(f"walls of a garment are 1 or 2, got {shown(self.walls)}", field="walls")
         _set(self, walls=int(self.walls))
@@ -252,8 +252,8 @@ GarmentLike = str | Path | GarmentMesh | Pattern | Mapping[str, Any]
 """What a garment may be made from."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scene:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene(ByValue):
     """Everything a drape needs to know; nothing is read or built before `toile.dress(scene)`.
 
     Attributes

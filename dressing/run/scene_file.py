@@ -36,7 +36,7 @@ from toile.dressing.garment.fabric_keys import FABRIC_KEYS, SUPPLIERS, supplied_
 from toile.dressing.garment.fabrics import checked_fabric, fabrics
 from toile.dressing.garment.fields.read_parts import GARMENT_KEYS, PART_HEADINGS, PART_KEYS, read_parts
 from toile.dressing.pattern.fold_table import folds_of
-from toile.dressing.run.air import AIR_KEYS, Air
+from toile.dressing.run.air import AIR_KEYS, Air, air_of
 from toile.dressing.run.garment_source import default_name
 from toile.dressing.run.quality import quality_preset
 from toile.dressing.run.scene import AvatarFile, Garment, MannequinSize, Scene
@@ -235,7 +235,7 @@ class _SceneReader:
         """Return the air of the [air] table."""
         self._check_keys(values, "air", ("air",))
         with self._placed("air"):
-            return Air(**values)
+            return air_of(values)
 
     def _obstacles(self, tables: list[Any]) -> list[Obstacle]:
         """Return the obstacles of the [[obstacle]] tables."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 from toile.engine.cloth.vertex_motion import VertexMotion
 from toile.engine.forces.contact_pairs import SkinPart
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.geometry.stage_clock import Spent, together
 from toile.remesh.sizing.sizing import SizingOptions
 
@@ -92,8 +93,8 @@ class FrameState:
     phase: Phase = "settling"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Failure:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Failure(ByValue):
     """A failure of a drape: its kind, one sentence, and where (panels, faces, frame).
 
     `faces` are the faces at fault by their numbers in the file of each garment, shape (k,), where both are

@@ -280,11 +280,15 @@ def _shortcoming(run: Drape, meshes: list[GarmentMesh], place: Place) -> Failure
     if is_open.any():
         names = [name for mesh in meshes for name in mesh.seam_names]
         seams = sorted({names[index] for index in cloth.seam[is_open]})
+        why = (
+            "the garment may be too small for this body, its panels may start across each other, or cloth is "
+            "in the way (place the panels named here farther apart, or check their seams)"
+        )
+        if run.phase != "settling" and run.record.steps >= run.plan.max_steps:
+            why = _unfinished(run)
         return Failure(
             kind="open_seams",
-            message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; "
-            "the garment may be too small for this body, its panels may start across each other, or cloth is "
-            "in the way (place the panels named here farther apart, or check their seams)",
+            message=f"{is_open.sum()} stitches did not close, gap up to {gaps.max() * 1e3:.0f} mm; {why}",
             where=", ".join(seams),
         )
     if run.phase != "settling":

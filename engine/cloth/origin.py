@@ -7,11 +7,12 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.by_value import ByValue
 from toile.remesh.adapt.transfer import TransferMap
 
 
-@dataclass(frozen=True, kw_only=True)
-class Origin:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Origin(ByValue):
     """The file corners and faces behind every material vertex and face; file attributes follow from them.
 
     Attributes

@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from toile.geometry.arrays import Float
+from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import is_real, shown
 
 
-@dataclass(frozen=True, kw_only=True)
-class VertexMotion:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VertexMotion(ByValue):
     """Vertices over time.
 
     Attributes

@@ -35,7 +35,7 @@ class Wind(NodalForce):
     def begin(self, step: StepState, x: Float) -> bool:
         """Take normals and areas at node positions x [m], shape (n, 3), and the air's velocity."""
         self._step = step
-        self.air = self.flow.velocity_at(step.request.seconds)
+        self.air = self.flow.velocity_around(step.request.seconds, x)
         corner = x[self.faces[:, 0]]
         normal = np.cross(x[self.faces[:, 1]] - corner, x[self.faces[:, 2]] - corner)
         twice_area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)

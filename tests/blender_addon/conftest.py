@@ -14,6 +14,8 @@ import toile
 
 SCRIPTS = Path(__file__).parent / "in_blender"
 VERSION = "bpy==4.5.*"
+OTHER = os.environ.get("TOILE_BLENDER", "")
+"""A Python that has another bpy and what toile needs, in which the tests run instead."""
 TOILE = Path(toile.__file__).parents[1]
 """Where the toile under test is found."""
 Blender = Callable[..., dict[str, Any]]
@@ -26,6 +28,8 @@ def bpy_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     TOILE_BPY names one that is kept; else it is downloaded for this session (373 MB). It does not go into the
     tests' own environment: bpy 4.5 needs numpy 1, and its copy of USD would meet usd-core in one process.
     """
+    if OTHER:
+        pytest.skip("needs the folder of bpy 4.5, and TOILE_BLENDER names another")
     if sys.version_info[:2] != (3, 11):
         pytest.skip("bpy 4.5 needs Python 3.11")
     given = os.environ.get("TOILE_BPY")
@@ -58,11 +62,14 @@ def run_in_blender(python: str, paths: list[Path], script: str, *arguments: obje
 
 
 @pytest.fixture(scope="session")
-def blender(bpy_folder: Path) -> Blender:
-    """Return a function that runs a script in Blender 4.5; its first argument is a folder to work in."""
+def blender(request: pytest.FixtureRequest) -> Blender:
+    """Return a function that runs a script in Blender; its first argument is a folder to work in."""
+    python, paths = OTHER, [TOILE]
+    if not OTHER:
+        python, paths = sys.executable, [request.getfixturevalue("bpy_folder"), TOILE]
 
     def run(script: str, *arguments: object) -> dict[str, Any]:
-        return run_in_blender(sys.executable, [bpy_folder, TOILE], script, *arguments)
+        return run_in_blender(python, paths, script, *arguments)
 
     return run
 

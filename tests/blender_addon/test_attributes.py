@@ -2,9 +2,11 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.blender_addon.conftest import Blender
+from toile.blender_addon.snapshot.mesh_arrays import corners
 
 
 @pytest.fixture(scope="module")
@@ -35,3 +37,14 @@ def test_active_and_rendering_maps_and_colours_stay_so(found: dict[str, Any]) ->
 
 def test_the_nodes_go_with_the_frames(found: dict[str, Any]) -> None:
     assert found["modifiers"] == ["toile", "toile attributes"] and found["cleared"] == [0, 0]
+
+
+def test_rounding_splits_no_corner() -> None:
+    """Maps of two triangles whose common corners differ by a last digit, and by a millimetre."""
+    loops = np.array([0, 1, 2, 0, 2, 3], np.int32)
+    places = [[0.2, 0.0], [0.4, 0.0], [0.4, 0.2], [0.2, 1e-8], [0.40000004, 0.2], [0.2, 0.2]]
+    uv = np.array(places, np.float32)
+    corner, first = corners(loops, [uv])
+    assert len(first) == 4 and corner[0] == corner[3] and corner[2] == corner[4]
+    uv[3, 0] += 1e-3
+    assert len(corners(loops, [uv])[1]) == 5

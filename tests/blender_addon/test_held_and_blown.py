@@ -28,11 +28,13 @@ def test_weights_follow_onto_every_mesh(found: dict[str, Any]) -> None:
 
 
 def test_winds_add_up_in_the_axes_of_the_engine(found: dict[str, Any]) -> None:
-    """6 m/s along Blender's -Y with gusts of 0.5 m/s, and 2 m/s along X."""
-    velocity, gusts, seed = found["air"]
+    """6 m/s along Blender's -Y with gusts of 0.5 m/s, and 2 m/s along X, which weaken with the distance."""
+    velocity, gusts, seed, fan, _, velocities, places, falloff = found["air"]
     parts = [float(part) for part in velocity.partition("[")[2].strip("]").split(",")]
-    assert parts == pytest.approx([2.0, 0.0, 6.0], abs=1e-5)
-    assert float(gusts.partition("=")[2]) == pytest.approx(0.5 / 40.0**0.5, rel=1e-4) and seed == "seed = 7"
+    assert parts == pytest.approx([0.0, 0.0, 6.0], abs=1e-5)
+    assert float(gusts.partition("=")[2]) == pytest.approx(0.5 / 6.0, rel=1e-4) and seed == "seed = 7"
+    assert fan == "[[air.fan]]" and falloff == "falloff = 1"
+    assert velocities.startswith("velocities = [[2.000000, ") and places.startswith("places = [[0.000000, ")
 
 
 def test_a_wind_from_below_lifts_the_flag(found: dict[str, Any]) -> None:
@@ -42,7 +44,6 @@ def test_a_wind_from_below_lifts_the_flag(found: dict[str, Any]) -> None:
 def test_force_fields_that_do_nothing_are_named(found: dict[str, Any]) -> None:
     assert found["notes"] == [
         "Warning: force field 'Whirl' does nothing: toile knows wind only, not vortex",
-        "Warning: wind 'Wind.001' blows the same everywhere, without its falloff",
     ]
     assert len(found["notes at rest"]) == 3 and "(Simulate)" in found["notes at rest"][1]
     assert "blows at 200 m/s, toile takes up to 60" in found["storm"]

@@ -59,6 +59,13 @@ def test_blender_is_never_blocked_for_long(found: dict[str, Any]) -> None:
     assert found["cancelled"]["longest tick"] < 0.2
 
 
+def test_frames_are_shown_within_a_second(found: dict[str, Any]) -> None:
+    """After the time stamp of the file, with what it shows later as well."""
+    assert len(found["waited"]) >= 2 and max(found["waited"]) < 1.0, found["waited"]
+    at_once, later = found["seen"]
+    assert at_once == later and len(set(at_once)) > 1
+
+
 def test_cleared(found: dict[str, Any]) -> None:
     assert found["cleared"] == [[], False, 0]
 

@@ -22,13 +22,21 @@ def test_cloth_hangs_where_gravity_points(found: dict[str, Any]) -> None:
         assert farthest == pytest.approx(-0.26 - depth, abs=0.01)
 
 
-def test_what_changes_with_the_animation_is_said(found: dict[str, Any]) -> None:
-    """All is as it is in the first frame, wherever the playhead is."""
+def test_gravity_that_changes_is_said(found: dict[str, Any]) -> None:
+    """It is as it is in the first frame, wherever the playhead is."""
     assert found["notes"] == [
-        "Warning: gravity changes with the animation: it stays as it is in the first frame",
-        "Warning: wind 'Wind' changes with the animation: it stays as it is in the first frame",
+        "Warning: gravity changes with the animation: it stays as it is in the first frame"
     ]
     assert found["gravity"] == "gravity = 9.810000"
+
+
+def test_wind_that_changes_is_keyed(found: dict[str, Any]) -> None:
+    """From 1 to 4 m/s upwards within three frames, eased in and out; the rest of the air is still."""
+    still, fan, times, velocities = found["air"]
+    assert (still, fan) == ("velocity = [0.000000, 0.000000, 0.000000]", "[[air.fan]]")
+    assert times == "times = [0, 0.0416666667, 0.0833333333]"
+    assert velocities.startswith("velocities = [[0.000000, 1.000000, 0.000000], [0.000000, 2.5")
+    assert velocities.endswith("[0.000000, 4.000000, 0.000000]]")
 
 
 def test_the_same_script_gives_the_same_bytes(

@@ -5,6 +5,8 @@ from html import escape
 
 import numpy as np
 
+from toile.dressing.batch.batch_progress import jobs_text
+
 WIDTH, HEIGHT, BASE, TOP = 360, 170, 140, 16
 """Size of the picture, its base line and the top of its highest bar [pixels]."""
 BARS = 24
@@ -28,18 +30,19 @@ def histogram(title: str, unit: str, values: "array[float]") -> str:
     width = WIDTH / BARS
     bars = "".join(
         f'<rect x="{k * width + 1:.1f}" y="{BASE - bar:.1f}" width="{width - 2:.1f}" height="{bar:.1f}">'
-        f"<title>{count} jobs</title></rect>"
+        f"<title>{jobs_text(count)}</title></rect>"
         for k, count in enumerate(counts)
         if (bar := (BASE - TOP) * count / counts.max())
     )
     ends = (10.0**low, 10.0**top) if logarithmic else (low, top)
     scale = " (logarithmic)" if logarithmic else ""
+    unit = f" {escape(unit)}" if unit else ""
     return (
         f"<figure><figcaption>{escape(title)}{scale}</figcaption>"
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img"><line x1="0" y1="{BASE}" x2="{WIDTH}" y2="{BASE}"/>'
         f'{bars}<text x="0" y="{BASE + 18}">{_short(ends[0])}</text>'
-        f'<text x="{WIDTH}" y="{BASE + 18}" text-anchor="end">{_short(ends[1])} {escape(unit)}</text></svg>'
-        f"<p>median {_short(median)}, 95th percentile {_short(high)} {escape(unit)}, {len(data)} jobs</p>"
+        f'<text x="{WIDTH}" y="{BASE + 18}" text-anchor="end">{_short(ends[1])}{unit}</text></svg>'
+        f"<p>median {_short(median)}, 95th percentile {_short(high)}{unit}, {jobs_text(len(data))}</p>"
         "</figure>"
     )
 

@@ -51,7 +51,13 @@ def obj_bytes(
     owner = np.zeros(len(faces), dtype=np.int32) if panel is None else panel
     for number in np.unique(owner).tolist():
         if number < len(panel_names):
-            lines.append(f"g {'_'.join(panel_names[number].split()) or 'panel'}\n")
+            lines.append(f"g {_group(panel_names[number])}\n")
         chosen = corners[owner == number].astype(np.int64) + 1
         lines.append((face_row * len(chosen)) % tuple(chosen.ravel().tolist()))
     return "".join(lines).encode()
+
+
+def _group(name: str) -> str:
+    """Return the name of a panel as one word that can be printed."""
+    words = "".join(sign if sign.isprintable() else " " for sign in name).split()
+    return "_".join(words) or "panel"

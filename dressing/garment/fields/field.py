@@ -14,6 +14,7 @@ from toile.dressing.garment.fields.where import check_where
 from toile.engine.cloth.fabric import Fabric
 from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
+from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError
 
 OF_FABRIC = tuple(entry.name for entry in fields(Fabric) if entry.name != "name")
@@ -65,8 +66,8 @@ class Textured:
 FieldValue = float | Keyed | Painted | Textured
 
 
-@dataclass(frozen=True, kw_only=True)
-class Field:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Field(ByValue):
     """Values on a part of a garment that differ from its fabric's; of several, the last one counts.
 
     Attributes
@@ -106,8 +107,8 @@ class Field:
         check_where("field", self.run, self.width, self.polygon)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Elastic:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Elastic(ByValue):
     """Elastic sewn along edges.
 
     Attributes
@@ -155,8 +156,8 @@ class Filling:
             _check_range("gas: volume", self.volume, 1e-6, 100.0, "volume", " m3")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Hold:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Hold(ByValue):
     """Nodes held in a film where they are at its start, for a time.
 
     Attributes

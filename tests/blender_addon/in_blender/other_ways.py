@@ -11,6 +11,7 @@ import numpy as np
 import small_scene as small
 
 import toile.blender_addon
+from toile.blender_addon.dressed import Dressed
 from toile.blender_addon.dressing import dress_steps
 from toile.blender_addon.run import Current, Run
 
@@ -62,7 +63,19 @@ found["kept"] = {
 garment.modifiers.remove(garment.modifiers["Subdivision"])
 garment.toile.keep_topology = False
 
-# Cancel midway, as the modal operator does: tick by tick.
+# Cancel midway, as the modal operator does: tick by tick. Every frame that came is looked at, at once.
+came: list[float] = []
+places: list[float] = []
+frame_came = Dressed.frame_came
+
+
+def noted(self: Dressed) -> None:
+    frame_came(self)
+    places.append(float(small.points(small.shown(bpy.data.objects["My Shawl"], len(came) + 1)).sum()))
+    came.append(time.time())
+
+
+Dressed.frame_came = noted
 bpy.context.scene.toile.frame_end = 60
 Current.run = Run(dress_steps(bpy.context))
 ticks, texts, more = [], [], True
@@ -76,6 +89,13 @@ while more:
         Current.run.cancelled = True
     time.sleep(0.02)
 Current.run = None
+Dressed.frame_came = frame_came
+written = [path.stat().st_mtime for path in sorted(cache.glob("*.usdc"))][: len(came)]
+found["waited"] = [seen - at for seen, at in zip(came, written, strict=True)]
+found["seen"] = [
+    places,
+    [float(small.points(small.shown(garment, frame + 1)).sum()) for frame in range(len(came))],
+]
 found["cancelled"] = {
     "state": garment.toile.state, "files": len(list(cache.glob("*.usdc"))),
     "longest tick": max(ticks), "longest tick was": texts[int(np.argmax(ticks))],

@@ -112,6 +112,8 @@ def stub_engine() -> None:
     """Let a stub stand for the engine that dresses: its n-th run gives one frame, a strip of n triangles."""
     from toile.blender_addon import dressing
 
+    # Frames need Blender's own USD, unless there is another.
+    bpy.utils.expose_bundled_modules()
     engine = dressing._spoken
 
     def spoken(task: str, folder: Path, run: object) -> Iterator[dict[str, object] | None]:

@@ -74,6 +74,8 @@ scene.frame_set(3)
 read = folder / "read"
 read.mkdir()
 small.write_scene(read)
+text = (read / "scene.toml").read_text()
+found["air"] = text.partition("[air]")[2].partition("[avatar]")[0].strip().splitlines()
 found["gravity"] = next(line for line in (read / "scene.toml").read_text().splitlines() if "gravity" in line)
 toile.blender_addon.unregister()
 print(json.dumps(found))

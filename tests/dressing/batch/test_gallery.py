@@ -1,5 +1,6 @@
 """The pages of a batch in a real browser: cards, filters, the 3-D view, the summary."""
 
+from array import array
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ import pytest
 import trimesh
 
 from tests.dressing.browser import opened_page
+from toile.dressing.batch.batch_progress import BatchProgress
+from toile.dressing.batch.gallery.histogram import histogram
 from toile.dressing.batch.gallery.write_gallery import write_gallery
 from toile.dressing.batch.ledger import Entry, Ledger
 from toile.dressing.batch.outcome import Outcome
@@ -156,3 +159,11 @@ def test_thumbnail_of_own_pictures() -> None:
 def test_a_folder_without_a_batch(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no batch here"):
         write_gallery(tmp_path)
+
+
+def test_one_job_is_one_job() -> None:
+    """And a figure without a unit leaves no gap."""
+    page = histogram("faces", "", array("d", [2280.0]))
+    assert "95th percentile 2,280, 1 job</p>" in page
+    assert " </text>" not in page
+    assert BatchProgress(total=1).line(1) == "0/1 job: 0 done, 0 failed, 1 running"

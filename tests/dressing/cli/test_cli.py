@@ -21,6 +21,7 @@ from toile.dressing.pattern.sewing_edges import SEWING_COARSENESS
 from toile.dressing.run.kernels import REMESH_KERNELS
 from toile.dressing.run.quality import quality_preset
 from toile.dressing.run.resolved_scene import SEWING_FINENESS
+from toile.geometry.cache_folder import cache_root
 
 FakeDrapes = Callable[..., Any]
 FILES = {"dressed.glb", "preview.png", "report.json", "shirt.obj", "shirt.ply", "view.html"}
@@ -217,6 +218,7 @@ def test_ctrl_c_keeps_the_result(tmp_path: Path, body: Path, shirt: Path, fake_d
         (("--garment", "tshirt", "--avatar", "missing.ply"), "missing.ply"),
         (("--garment", "tshirt", "--avatar", "body.xyz"), ".xyz"),
         (("--garment", "tshirt", "--units", "cm"), "--units"),
+        (("--garment", "tshirt", "--fps", "0"), "--fps"),
         (("--colour", "red"), "unrecognized arguments"),
         (("--garment", "tshirt", "--threads", "0"), "threads must lie between 1 and"),
         (("scene.txt",), "ends in .toml"),
@@ -324,7 +326,8 @@ def test_lists_and_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
     assert capsys.readouterr().out.startswith("toile ")
     assert main(["--help"]) == 0
-    assert "exit codes" in capsys.readouterr().out
+    helped = capsys.readouterr().out
+    assert "exit codes" in helped and f"compiled kernels are kept in {cache_root()}" in helped
     assert main(["dress", "--scene-keys"]) == 0
     assert "warp_angle" in capsys.readouterr().out
 

@@ -61,6 +61,14 @@ def test_obj_keeps_nodes_texture_and_panels(tmp_path: Path) -> None:
     assert trimesh.load(path).volume == pytest.approx(0.024)
 
 
+def test_names_of_panels_add_no_lines_to_an_obj() -> None:
+    """Nor signs that cannot be printed."""
+    faces = np.array([[0, 1, 2]], np.int32)
+    names = ["a\0b\nf 1 2 3"]
+    text = obj_bytes(np.zeros((3, 3)), faces, panel=np.zeros(1, np.int32), panel_names=names).decode()
+    assert text.count("\nf ") == 1 and "\0" not in text and "\ng a_b_f_1_2_3\n" in text
+
+
 def test_obj_digits_follow_the_unit() -> None:
     assert obj_bytes(POSITIONS * 1e3, FACES, metres_per_unit=1e-3).splitlines()[0].count(b"0000") == 3
     assert b"v 0.1000000 " in obj_bytes(POSITIONS, FACES)

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 import trimesh
 
+import toile
+from tests.dressing.wear.test_lay_on import sheet
 from toile.dressing.body.avatar import Avatar
 from toile.dressing.body.place import Place
 from toile.dressing.files.writers.png import png_pixels
 from toile.dressing.fit.cloth_state import cloth_state
 from toile.dressing.fit.findings import findings, fit_sentences, shifts
 from toile.dressing.fit.fit_files import write_fit
-from toile.dressing.fit.fit_maps import FitMaps, fit_maps
+from toile.dressing.fit.fit_maps import QUANTITIES, FitMaps, fit_maps
 from toile.dressing.fit.fit_tables import summary
 from toile.dressing.fit.read_fit import read_fit
 from toile.dressing.fit.regions import regions_of
@@ -134,6 +136,28 @@ def test_files_carry_the_maps_and_the_spread(tmp_path: Path, monkeypatch: pytest
     assert again == tables
     for name in ("fit.json", "fit.png", "fit/sleeve.ply", "fit/fit.glb"):
         assert (tmp_path / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
+
+
+def test_python_gets_the_maps_without_files(tmp_path: Path) -> None:
+    """Only where the scene asks for a fit."""
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.3)
+    ball.apply_translation([0.0, 0.3, 0.0])
+    ball.export(tmp_path / "ball.ply")
+    rows = [line.split() for line in sheet((-0.2, -0.2), (0.4, 0.4), 6).splitlines()]
+    lines = [f"v {row[1]} 0.62 {row[2]}" if row[0] == "v" else " ".join(row) for row in rows]
+    (tmp_path / "sheet.obj").write_text("\n".join(lines) + "\n")
+    scene = toile.Scene(
+        garments=tmp_path / "sheet.obj",
+        avatar=toile.AvatarFile(path=tmp_path / "ball.ply", units="m", up="y"),
+        edge_length=0.08, remesh=False, ground=False, fit="maps",
+    )  # fmt: skip
+    seen: list[FitMaps] = []
+    result = toile.dress(scene, fit=seen.append)
+    (garment,) = seen[0].garments
+    assert np.array_equal(garment.faces, result.garments[0].faces)
+    assert set(garment.at_vertices) == set(QUANTITIES) and garment.at_vertices["pressure_Pa"].max() > 1.0
+    toile.dress(replace(scene, fit="off"), fit=seen.append)
+    assert len(seen) == 1
 
 
 def test_summary_is_by_area() -> None:

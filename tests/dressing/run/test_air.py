@@ -9,6 +9,7 @@ import pytest
 from toile.dressing.cli.main import main
 from toile.dressing.run.air import Air
 from toile.dressing.run.scene_file import load_scene
+from toile.engine.forces.fan import Fan
 from toile.geometry.errors import InputError
 
 SCENE = """
@@ -66,3 +67,19 @@ def test_a_scene_file_names_its_line(tmp_path: Path, capsys: pytest.CaptureFixtu
     path.write_text(SCENE.format(speed=400))
     assert main(["dress", str(path), "-o", str(tmp_path / "out")]) == 2
     assert f"{path}, line 3: velocity of air" in capsys.readouterr().err
+
+
+def test_fans_of_a_scene_file(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    fan = "[[air.fan]]\ntimes = [0, 1]\nvelocities = [[0, 0, 0], [0, 0, 9]]\nfarthest = 3\n"
+    path.write_text(f"[air]\n{fan}[[garment]]\nsource = 'tshirt'\n")
+    air = load_scene(path).air
+    assert air == Air(fans=[Fan(times=[0, 1], velocities=[(0, 0, 0), (0, 0, 9)], farthest=3)])
+    assert air is not None and air.flow().resistance == Air(velocity=(0, 0, 9)).flow().resistance
+    for wrong, said in (
+        ("time = 3", "unknown key 'time'; did you mean 'times'"), ("falloff = -1", "falloff of a fan"),
+    ):  # fmt: skip
+        fan = f"[[air.fan]]\nvelocities = [[0, 0, 1]]\n{wrong}\n"
+        path.write_text(f"[air]\n{fan}[[garment]]\nsource = 'tshirt'\n")
+        with pytest.raises(InputError, match=said):
+            load_scene(path)

@@ -1,6 +1,7 @@
 import os
 import signal
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -126,3 +127,11 @@ def test_bad_scenes(options: dict[str, Any], message: str, fake_drape: Callable[
         toile.Scene(garments=[])
     with pytest.raises(toile.InputError, match="threads must lie between 1 and"):
         scene(threads=0)
+
+
+def test_two_threads_at_once_get_what_one_gets() -> None:
+    with ThreadPoolExecutor(2) as threads:
+        one, other = threads.map(toile.dress, [scene(max_frames=4), scene(max_frames=4)])
+    alone = toile.dress(scene(max_frames=4))
+    assert one.report["residual"] == other.report["residual"] == alone.report["residual"]
+    assert one.garments == other.garments == alone.garments

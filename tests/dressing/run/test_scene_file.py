@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -149,6 +150,13 @@ def test_line_numbers_of_every_spelling() -> None:
     assert lines.of(("t", 1, "u", "e")) == 10
     assert lines.of(("t", 0, "missing")) == 5
     assert lines.of(("missing",)) is None
+
+
+def test_no_key_runs_into_its_meaning() -> None:
+    rows = [line for line in scene_keys_help().splitlines() if line.startswith("  ") and line[2] != " "]
+    keys = {row.split()[0] for row in rows}
+    assert {"friction_between", "refine_compression", "warp_angle"} <= keys
+    assert all(re.match(r"  [a-z_0-9]+ +\S", row) and len(row.split()) > 1 for row in rows)
 
 
 def test_all_keys_are_documented() -> None:

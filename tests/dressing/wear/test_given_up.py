@@ -1,6 +1,7 @@
 """A garment that cannot be put on is given up after a bounded amount of work, with what, where and why."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,16 @@ def test_the_first_attempt_has_a_limit_of_work(
     assert f"given up after {most} Newton iterations per face" in result.failure.message
     assert result.report["newton_iterations"] == most
     assert what in result.failure.message and where in result.failure.where
+
+
+def test_too_few_frames_are_the_reason_that_is_given() -> None:
+    """And not the size of the garment."""
+    result = toile.dress(replace(scene(), max_frames=3))
+    assert result.failure is not None and result.failure.kind == "open_seams"
+    assert (
+        "the frame limit was reached while the garment was still sewing; allow more" in result.failure.message
+    )
+    assert "too small" not in result.failure.message
 
 
 @pytest.mark.parametrize("garment", ["tshirt", "trousers", "circle_skirt"])
