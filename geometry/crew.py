@@ -95,7 +95,7 @@ class _Crew:
 
 
 _own = local()
-"""Of each thread that runs a scene, as `crew`, the crew that helps it, if there is one: two may run at once."""
+"""Of each thread that runs a scene the crew that helps it: two may run at once."""
 
 
 def _crew() -> _Crew | None:

@@ -85,7 +85,7 @@ def add_posing(command: argparse.ArgumentParser) -> None:
         "--pose",
         action="append",
         metavar="FILE",
-        help="BODY in another pose, to which it moves; repeat for more; clip.glb@1.5 as a clip stands at 1.5 s",
+        help="BODY in another pose, to which it moves (repeat for more), or clip.glb@SECONDS",
     )
     command.add_argument(
         "--lead-in",
