@@ -14,8 +14,6 @@ import numpy as np
 from numba import types
 
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts, together
-from toile.geometry.crowd import Crowd
 from toile.geometry.kernel import (
     F64_2,
     I32_1,
@@ -27,6 +25,8 @@ from toile.geometry.kernel import (
     kernel,
     unsigned,
 )
+from toile.geometry.threads.crew import in_parts, together
+from toile.geometry.threads.crowd import Crowd
 
 LEAF_SIZE = 4
 

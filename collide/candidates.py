@@ -11,9 +11,9 @@ from toile.collide.fans import corners_from, fans_stay_apart, lowest
 from toile.collide.pair_distance import length, pair_weights, separation, weighted_sum
 from toile.collide.surface import Surface
 from toile.geometry.arrays import Bool, Float, Int
-from toile.geometry.crew import in_parts, together
-from toile.geometry.crowd import Crowd
 from toile.geometry.kernel import BOOL_1, F64_1, F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel, unsigned
+from toile.geometry.threads.crew import in_parts, together
+from toile.geometry.threads.crowd import Crowd
 
 
 def _tests_of_owners() -> Int:

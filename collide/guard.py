@@ -16,7 +16,6 @@ from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, separation, spanned_normal, weighted_sum
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts
 from toile.geometry.kernel import (
     F64_1,
     F64_2,
@@ -29,6 +28,7 @@ from toile.geometry.kernel import (
     kernel,
     unsigned,
 )
+from toile.geometry.threads.crew import in_parts
 
 KEPT_SHARE = 0.2
 """Share of its distance that a pair keeps in one move."""

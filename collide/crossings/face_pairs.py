@@ -9,8 +9,8 @@ from toile.collide.crossings.cells import CELLS, Cells, overlapping
 from toile.collide.crossings.meeting import meet_beyond_corner, triangles_meet
 from toile.collide.crossings.orientation import ROOM
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts, together
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
+from toile.geometry.threads.crew import in_parts, together
 
 PAIRS = 4096
 """Pairs for which there is room at first."""

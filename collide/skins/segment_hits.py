@@ -9,9 +9,9 @@ from numba import types
 
 from toile.collide import bvh
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts, together
 from toile.geometry.face_boxes import face_boxes
 from toile.geometry.kernel import F64_2, I32_1, I32_2, OUT_I32_2, helper, kernel
+from toile.geometry.threads.crew import in_parts, together
 
 SEGMENTS_PER_PART = 1024
 """Segments that one thread follows at a time."""

@@ -256,7 +256,7 @@ def _run_dress(options: argparse.Namespace) -> int:
     from toile.dressing.run.dress import dress, resume
     from toile.dressing.run.interrupt import CancelOnInterrupt
     from toile.dressing.run.progress import ProgressPrinter
-    from toile.geometry.crew import threads_for_one
+    from toile.geometry.threads.crew import threads_for_one
 
     if (options.output is None) == (options.resume is None):
         raise InputError(

@@ -19,7 +19,7 @@ def scene_of(options: argparse.Namespace) -> "Scene":
     from toile.dressing.run.air import Air
     from toile.dressing.run.scene import AvatarFile, Garment, Scene
     from toile.dressing.run.scene_file import load_scene
-    from toile.geometry.crew import threads_for_one
+    from toile.geometry.threads.crew import threads_for_one
 
     given = {
         name: value

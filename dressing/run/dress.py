@@ -17,10 +17,10 @@ from toile.dressing.run.report import with_animation
 from toile.dressing.run.resolved_scene import ResolvedScene, resolve
 from toile.dressing.run.result import Record, Result, file_stem, save_report, save_shapes
 from toile.dressing.run.scene import OFF, Scene
-from toile.geometry.crew import MOST_THREADS, crew_of
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import whole
 from toile.geometry.stage_clock import now, together
+from toile.geometry.threads.crew import MOST_THREADS, crew_of
 
 if TYPE_CHECKING:
     from toile.dressing.fit.worn import Worn

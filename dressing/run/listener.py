@@ -4,7 +4,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from toile.dressing.run.interrupt import CancelOnInterrupt
 from toile.dressing.run.progress import Progress, ProgressState, TimeLeft
@@ -16,8 +16,13 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 """Called with one sentence."""
-FitListener = Callable[["FitMaps"], None]
-"""Called with the maps of a fit."""
+
+
+class FitListener(Protocol):
+    """Called with the maps of a fit."""
+
+    def __call__(self, maps: "FitMaps", /) -> object:
+        """Hear of them."""
 
 
 class Listener:

@@ -39,9 +39,9 @@ from toile.dressing.run.air import Air
 from toile.dressing.run.quality import quality_preset
 from toile.engine.cloth.fabric import Fabric
 from toile.geometry.by_value import ByValue
-from toile.geometry.crew import MOST_THREADS
 from toile.geometry.errors import InputError
 from toile.geometry.given_numbers import real, shown, truth, whole
+from toile.geometry.threads.crew import MOST_THREADS
 from toile.remesh.sizing.sizing import SizingOptions
 
 OFF = "off"  # the `lead_in` of an avatar that has none

@@ -21,7 +21,6 @@ from toile.engine.forces.force import ElementForce
 from toile.engine.solve.assembly import scatter_gradients
 from toile.engine.solve.hessian import Hessian
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts
 from toile.geometry.kernel import (
     F64_2,
     F64_3,
@@ -34,6 +33,7 @@ from toile.geometry.kernel import (
     kernel,
     packed_kernel,
 )
+from toile.geometry.threads.crew import in_parts
 
 FACES_PER_PART = 1024
 """Faces that one thread evaluates at a time."""

@@ -5,8 +5,8 @@ from numba import types
 
 from toile.collide.pair_distance import length, pair_weights, weighted_sum
 from toile.geometry.arrays import Float, Int
-from toile.geometry.crew import in_parts, together
 from toile.geometry.kernel import F64_1, F64_2, I32_2, OUT_F64_1, OUT_I32_1, helper, kernel, unsigned
+from toile.geometry.threads.crew import in_parts, together
 
 PAIRS_PER_PART = 4096
 """Pairs that one thread measures at a time."""

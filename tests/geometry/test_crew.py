@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from toile.geometry.crew import ALONE, crew_of, in_parts, together
+from toile.geometry.threads.crew import ALONE, crew_of, in_parts, together
 
 
 def rows(first: int, last: int) -> list[int]:
