@@ -10,7 +10,12 @@ from toile.geometry.errors import InputError
 
 def is_real(value: object) -> bool:
     """Whether a value is a finite real number of any type; True and False are none."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond 1e308
+        return False
 
 
 def is_whole(value: object) -> bool:
@@ -42,7 +47,10 @@ def truth(value: object, name: str) -> bool:
 
 def shown(value: object) -> str:
     """Return a value as messages show it: numbers plain, long ones shortened."""
-    text = f"{float(value):g}" if is_real(value) and not is_whole(value) else repr(value)  # type: ignore[arg-type]
+    try:
+        text = f"{float(value):g}" if is_real(value) and not is_whole(value) else repr(value)  # type: ignore[arg-type]
+    except ValueError:  # Python spells no whole number of more than 4,300 digits
+        return "a whole number of thousands of digits"
     return text if len(text) <= 80 else f"{text[:60]}... ({type(value).__name__})"
 
 

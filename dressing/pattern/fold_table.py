@@ -7,6 +7,7 @@ from typing import Any
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.pattern.pattern import Fold, Pattern
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 
 KEYS = {"points", "line", "degrees", "stiffness"}
 
@@ -37,7 +38,7 @@ def _fold(panel: str, values: Any) -> Fold:
     )
     if not good or not all(_is_number(number) for number in numbers) or bool(points) == (line is not None):
         raise InputError(
-            f"folds of '{panel}': {values!r} is none; write {example}, or line = 0 for a drawn line",
+            f"folds of '{panel}': {shown(values)} is none; write {example}, or line = 0 for a drawn line",
             field="folds",
         )
     if line is not None and (isinstance(line, bool) or not isinstance(line, int)):
@@ -51,7 +52,7 @@ def _fold(panel: str, values: Any) -> Fold:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float) and is_real(value)
 
 
 def with_folds(pattern: Pattern, folds: Mapping[str, Sequence[Fold]]) -> Pattern:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from toile.dressing.files.suggestion import unknown_name
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real
 from toile.remesh.sizing.sizing import SizingOptions
 
 COARSEST = 20.0
@@ -36,7 +37,11 @@ class Quality:
 
     def sizing(self, finest: float) -> SizingOptions:
         """Return the sizing of an adaptive mesh with shortest edges `finest` [m]."""
-        return SizingOptions(size_min=finest, size_max=COARSEST * finest, refine_angle=self.refine_angle)
+        return SizingOptions(
+            size_min=finest,
+            size_max=COARSEST * finest if is_real(finest) else finest,
+            refine_angle=self.refine_angle,
+        )
 
 
 QUALITIES = {

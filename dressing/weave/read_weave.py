@@ -6,6 +6,7 @@ from typing import Any
 from toile.dressing.files.suggestion import unknown_name
 from toile.dressing.weave.woven import Woven, woven
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real
 
 PER_CENTIMETRE = 100.0
 NUMBERS = ("ends_per_cm", "picks_per_cm", "warp_wave", "set")
@@ -21,8 +22,7 @@ def read_weave(table: Mapping[str, Any]) -> Woven:
     for key, value in table.items():
         if key not in NUMBERS + TEXTS:
             raise InputError(unknown_name("key of yarn", key, NUMBERS + TEXTS), field="yarn")
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not (is_number if key in NUMBERS else isinstance(value, str)):
+        if not (is_real(value) if key in NUMBERS else isinstance(value, str)):
             raise InputError(
                 f"{key} of yarn must be a {'number' if key in NUMBERS else 'text'}", field="yarn"
             )

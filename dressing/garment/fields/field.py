@@ -16,6 +16,7 @@ from toile.engine.cloth.fields.keyed import Keyed
 from toile.geometry.arrays import Float
 from toile.geometry.by_value import ByValue
 from toile.geometry.errors import InputError
+from toile.geometry.given_numbers import is_real, shown
 
 OF_FABRIC = tuple(entry.name for entry in fields(Fabric) if entry.name != "name")
 QUANTITIES = (*OF_FABRIC, "rest_warp", "rest_weft", "pressure", "pull")
@@ -281,8 +282,8 @@ def _check_range(
     for number in value.values if isinstance(value, Keyed) else (value,):
         if not _is_number(number) or not low <= number <= high:
             between = f"at least {low:g}" if high == math.inf else f"between {low:g} and {high:g}"
-            raise InputError(f"{what} must be {between}{unit}, got {number!r}", field=field)
+            raise InputError(f"{what} must be {between}{unit}, got {shown(number)}", field=field)
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and is_real(value)

@@ -137,6 +137,28 @@ def test_own_fabric_needs_only_what_has_no_default(tmp_path: Path) -> None:
         load_scene(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[remesh]\nsize_min = {}", "size_min must be a finite number"),
+        ('[[garment.field]]\npanels = ["front"]\npressure = {}', "pressure"),
+        ("[garment.gas]\npressure = {}", "pressure"),
+        ("folds = {{ front = [{{ points = [[0, 0], [1, 1]], degrees = {} }}] }}", "folds of 'front'"),
+        (
+            'fabric = "a"\n[fabric.a]\n'
+            'yarn = {{ warp = "cotton:20tex", ends_per_cm = {}, picks_per_cm = 25 }}',
+            "ends_per_cm of yarn must be a number",
+        ),
+    ],
+)
+def test_whole_numbers_beyond_all_bounds_are_named(text: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text('[[garment]]\nsource = "tshirt"\n' + text.format(10**400))
+    with pytest.raises(InputError, match=said) as caught:
+        load_scene(path)
+    assert len(str(caught.value)) < 500
+
+
 def test_missing_file() -> None:
     with pytest.raises(InputError, match=r"nowhere\.toml: there is no such scene file"):
         load_scene("nowhere.toml")
