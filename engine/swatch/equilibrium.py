@@ -5,7 +5,6 @@ as many rounds. Forces between yarns, which limit friction, are taken from the l
 again until they stay.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -112,12 +111,9 @@ class Patch:
         """Return the elements of the net as it is."""
         return _elements(self.net, self.state)
 
-    def settle(self, watch: Callable[[int, float], None] | None = None) -> int:
-        """Find equilibrium; return Newton iterations. `watch` hears of each: its number, forces left over.
-
-        Raises NoEquilibriumError.
-        """
-        iterations = self._newton(watch, 0)
+    def settle(self) -> int:
+        """Find equilibrium; return Newton iterations. Raises NoEquilibriumError."""
+        iterations = self._newton()
         if self.friction > 0.0 and not self.given:
             for _ in range(MOST_ROUNDS):
                 before = self.pressed
@@ -125,7 +121,7 @@ class Patch:
                 scale = float(self.pressed.max(initial=0.0))
                 if np.abs(self.pressed - before).max(initial=0.0) <= STEADY * scale:
                     break
-                iterations += self._newton(watch, iterations)
+                iterations += self._newton()
         count = self.net.crossings
         if self.friction > 0.0:
             self.anchors = follow(
@@ -181,7 +177,7 @@ class Patch:
             total[count:, :2] += self._held()[1]
         return total
 
-    def _newton(self, watch: Callable[[int, float], None] | None, done: int) -> int:
+    def _newton(self) -> int:
         """Find equilibrium with the friction limits as they are; return Newton iterations."""
         terms = self.terms()
         here = self._energy(terms)
@@ -191,8 +187,6 @@ class Patch:
             slope = np.where(self.free, self._gradient(terms), 0.0)
             scale = self._force_scale(terms)
             left = float(np.sqrt((slope * slope).sum()))
-            if watch is not None:
-                watch(done + iteration, left / scale)
             if left <= max(self.precise * scale, none):
                 return iteration
             moved = self._step(terms, slope, here)

@@ -1,6 +1,7 @@
 """A page of headless Chromium that may not reach the network, for tests of pages."""
 
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -39,3 +40,11 @@ def opened_page(width: int = 1280, height: int = 800, own: str = "") -> Iterator
         opened.context.route("http*://**", judged)
         yield opened
         chromium.close()
+
+
+def until(holds: Any, seconds: float = 15.0) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < end, "it did not come about"
+        time.sleep(0.02)

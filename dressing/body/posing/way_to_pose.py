@@ -8,12 +8,14 @@ equation of deformation gradients: Sumner and Popovic 2004, Xu et al. 2005).
 from typing import cast
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse import coo_array, csc_array, identity
+from scipy.sparse.csgraph import breadth_first_order
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from toile.geometry.arrays import Float, Int
+from toile.geometry.connected import connected, connected_vertices
+from toile.geometry.topology import triangle_topology
 
 HELD = 1e-9
 """Weight, over that of its faces, by which each part of the body is held in its place."""
@@ -68,10 +70,12 @@ def _along_neighbours(turn: Float, faces: Int) -> Float:
     A rotation is one by its angle, by a turn more and by a turn less. From the face of each part that turns
     least outwards, each face takes the one nearest to its neighbour's.
     """
-    graph = _neighbours(faces)
+    pairs = triangle_topology(faces).neighbour_pairs
+    graph = csc_array(coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(faces), len(faces))))
     turn = turn.copy()
     angle = np.linalg.norm(turn, axis=1)
-    count, part = connected_components(graph, directed=False)
+    part = connected(pairs, len(faces))
+    count = int(part.max()) + 1
     first = np.lexsort((angle, part))
     seeds = first[np.searchsorted(part[first], np.arange(count))]
     for seed in seeds:
@@ -85,19 +89,6 @@ def _along_neighbours(turn: Float, faces: Int) -> Float:
             if turns:
                 turn[face] = own * (1.0 + 2.0 * np.pi * turns / size)
     return turn
-
-
-def _neighbours(faces: Int) -> csc_array:
-    """Return which faces share an edge, as a symmetric matrix, shape (f, f)."""
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(faces)), 3)
-    order = np.lexsort((edges[:, 1], edges[:, 0]))
-    edges, owner = edges[order], owner[order]
-    same = (edges[1:] == edges[:-1]).all(axis=1)
-    a, b = owner[:-1][same], owner[1:][same]
-    ones = np.ones(2 * len(a))
-    pairs = (np.concatenate([a, b]), np.concatenate([b, a]))
-    return csc_array(coo_array((ones, pairs), shape=(len(faces), len(faces))))
 
 
 class _Poisson:
@@ -119,11 +110,10 @@ class _Poisson:
         columns = np.concatenate([np.concatenate([b, a, a, b]) for a, b in ends])
         values = np.concatenate([np.concatenate([-w, -w, w, w]) for w in self._weights])
         laplacian = csc_array(coo_array((values, (rows, columns)), shape=(count, count)))
-        _, self._part = connected_components(laplacian, directed=False)
+        self._part = connected_vertices(faces, count)
         self._size = np.bincount(self._part)
-        held = HELD * float(np.abs(laplacian.diagonal()).max())
-        self._held = held
-        self._factor = splu(_plus(laplacian, held))
+        self._held = HELD * float(np.abs(laplacian.diagonal()).max())
+        self._factor = splu(csc_array(laplacian + self._held * identity(count)))
 
     def vertices(self, deformation: Float, near: Float) -> Float:
         """Return vertices whose faces are deformed so, each part's middle where that of `near` is."""
@@ -136,10 +126,3 @@ class _Poisson:
         found = cast(Float, self._factor.solve(load))
         off = np.stack([np.bincount(self._part, (near - found)[:, axis]) for axis in range(3)], axis=1)
         return np.asarray(found + (off / self._size[:, None])[self._part])
-
-
-def _plus(matrix: csc_array, diagonal: float) -> csc_array:
-    """Return a matrix with a number added to its diagonal."""
-    count = matrix.shape[0]
-    at = np.arange(count)
-    return csc_array(matrix + coo_array((np.full(count, diagonal), (at, at)), shape=matrix.shape))

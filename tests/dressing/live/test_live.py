@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import toile
-from tests.dressing.browser import opened_page
+from tests.dressing.browser import opened_page, until
 from toile.dressing.cli.main import main
 from toile.dressing.files.gltf.gltf_file import GltfFile
 from toile.dressing.live.record import save_play
@@ -35,14 +35,6 @@ def server() -> Iterator[LiveServer[Game]]:
     server.stop()
     thread.join(20.0)
     assert not thread.is_alive()
-
-
-def until(holds: Any, seconds: float = 15.0) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < end, "it did not come about"
-        time.sleep(0.02)
 
 
 def talk(server: LiveServer[Game]) -> Any:

@@ -1,15 +1,13 @@
 """The lecture: stable steps, cloth that explodes beyond them, and its page in both languages."""
 
 import threading
-import time
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.dressing.browser import opened_page
+from tests.dressing.browser import opened_page, until
 from toile.dressing.cli.main import main
 from toile.dressing.live.server import LiveServer
 from toile.geometry.errors import InputError
@@ -149,14 +147,6 @@ def server(request: pytest.FixtureRequest) -> Iterator[LiveServer[Lecture]]:
     server.stop()
     thread.join(20.0)
     assert not thread.is_alive()
-
-
-def until(holds: Any, seconds: float = 15.0) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < end, "it did not come about"
-        time.sleep(0.02)
 
 
 @pytest.mark.parametrize("server", ["en", "es"], indirect=True)
